@@ -1,0 +1,104 @@
+// The one matrix that is factored: Omega(0), restricted to the controlled task rows, at most 6 x 6.
+// F solves Omega F = u + rhs; Lambda, c and g come from the same factor.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "recursion/sweeps.hpp"
+
+namespace osculate {
+
+/// Rows of the six (wx wy wz vx vy vz) that the task controls, in order.
+using TaskRows = std::vector<int>;
+inline TaskRows all_rows() { return {0, 1, 2, 3, 4, 5}; }
+
+template <class Space, Field S>
+constexpr const S& component(const Vec<Space, S>& v, int i) {
+  const Vec3<S>& part = i < 3 ? v.ang : v.lin;
+  return i % 3 == 0 ? part.x : i % 3 == 1 ? part.y : part.z;
+}
+template <class Space, Field S>
+constexpr S& component(Vec<Space, S>& v, int i) {
+  Vec3<S>& part = i < 3 ? v.ang : v.lin;
+  return i % 3 == 0 ? part.x : i % 3 == 1 ? part.y : part.z;
+}
+
+template <Field S>
+constexpr const S& component(const Vec3<S>& v, int i) {
+  return i == 0 ? v.x : i == 1 ? v.y : v.z;
+}
+
+/// Entry (i, j) of a symmetric map.
+template <class To, Field S>
+constexpr const S& component(const Symmetric<To, S>& a, int i, int j) {
+  const auto sym = [](const Sym3<S>& s, int r, int c) -> const S& {
+    if (r > c) std::swap(r, c);
+    return r == 0 ? (c == 0 ? s.xx : c == 1 ? s.xy : s.xz) : r == 1 ? (c == 1 ? s.yy : s.yz) : s.zz;
+  };
+  const auto row = [](const Mat3<S>& m, int r) -> const Vec3<S>& { return r == 0 ? m.x : r == 1 ? m.y : m.z; };
+  if (i < 3 && j < 3) return sym(a.J, i, j);
+  if (i >= 3 && j >= 3) return sym(a.A, i - 3, j - 3);
+  return i < 3 ? component(row(a.B, i), j - 3) : component(row(a.B, j), i - 3);
+}
+
+/// Up to six numbers, one for each task row.
+template <Field S>
+using TaskVector = std::array<S, 6>;
+
+template <Field S>
+TaskVector<S> restricted(const Vec<Motion, S>& v, const TaskRows& rows) {
+  TaskVector<S> out{};
+  for (std::size_t i = 0; i < rows.size(); ++i) out[i] = component(v, rows[i]);
+  return out;
+}
+
+/// S^T F: the wrench with the given components on the task rows and none elsewhere.
+template <Field S>
+Vec<Force, S> wrench(const TaskVector<S>& F, const TaskRows& rows) {
+  Vec<Force, S> f;
+  for (std::size_t i = 0; i < rows.size(); ++i) component(f, rows[i]) = F[i];
+  return f;
+}
+
+/// L D L^T of S Omega(0) S^T without pivoting: field operations only, no square root. Backward stable because Omega is
+/// positive definite; a pivot that is not positive means that the arm has lost rank in these rows, which the caller
+/// must look at (`pivots`), since a Field cannot compare.
+template <Field S>
+class TaskFactor {
+ public:
+  TaskFactor(const Compliance<S>& Omega, const TaskRows& rows) : m_(static_cast<int>(rows.size())) {
+    for (int j = 0; j < m_; ++j) {
+      for (int i = j; i < m_; ++i) {
+        S t = component(Omega, rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
+        for (int p = 0; p < j; ++p) t = t - scaled_[p][i] * L_[j][p];
+        scaled_[j][i] = t;
+      }
+      pivots_[j] = scaled_[j][j];
+      for (int i = j + 1; i < m_; ++i) L_[i][j] = scaled_[j][i] / pivots_[j];
+    }
+  }
+
+  int size() const { return m_; }
+  /// Diagonal of D; entries from size() on are unused.
+  const TaskVector<S>& pivots() const { return pivots_; }
+
+  /// Omega^-1 right. 
+  TaskVector<S> solve(const TaskVector<S>& right) const {
+    TaskVector<S> y = right;
+    for (int i = 0; i < m_; ++i)
+      for (int p = 0; p < i; ++p) y[i] = y[i] - L_[i][p] * y[p];
+    for (int i = 0; i < m_; ++i) y[i] = y[i] / pivots_[i];
+    for (int i = m_ - 1; i >= 0; --i)
+      for (int p = i + 1; p < m_; ++p) y[i] = y[i] - L_[p][i] * y[p];
+    return y;
+  }
+
+ private:
+  int m_;
+  std::array<TaskVector<S>, 6> L_{};       // unit lower triangular, strictly lower part
+  std::array<TaskVector<S>, 6> scaled_{};  // scaled_[j][i] = L(i,j) d(j)
+  TaskVector<S> pivots_{};
+};
+
+}  // namespace osculate

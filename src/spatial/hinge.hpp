@@ -1,0 +1,223 @@
+// What a joint does to spatial vectors: H, D, G, K, psi for a joint with one axis.
+// A joint with m axes is another type with the same operators (D an m x m block); the sweeps are templates on it.
+#pragma once
+
+#include "spatial/map.hpp"
+
+namespace osculate {
+
+/// H(k): the row of a one-axis joint. H* = (h;0) revolute, (0;h) prismatic; any unit screw is allowed.
+template <Field S>
+struct Hinge {
+  using Scalar = S;
+  using Coordinate = S;  // joint rate, acceleration or torque: one number
+  Vec<Motion, S> axis;   // H*
+  constexpr Star<Hinge> T() const { return {*this}; }
+};
+template <Field S>
+constexpr S operator*(const Hinge<S>& H, const Vec<Force, S>& f) {
+  return dot(H.axis, f);
+}
+template <Field S>
+constexpr Vec<Motion, S> operator*(const Star<Hinge<S>>& H, const S& rate) {
+  return H.map.axis * rate;
+}
+
+/// D(k), J(k): Torque <- Rate, and its inverse.
+template <Field S>
+struct JointInertia {
+  S d = S(0);
+};
+template <Field S>
+struct JointCompliance {
+  S d = S(0);
+};
+template <Field S>
+constexpr JointInertia<S> operator+(const JointInertia<S>& a, const JointInertia<S>& b) {
+  return {a.d + b.d};
+}
+template <Field S>
+constexpr JointCompliance<S> inverse(const JointInertia<S>& D) {
+  return {S(1) / D.d};
+}
+template <Field S>
+constexpr S operator*(const JointCompliance<S>& D, const S& torque) {
+  return D.d * torque;
+}
+
+/// H P, and its star P H*: Force <- Rate.
+template <Field S>
+struct HingeTimesInertia {
+  Vec<Force, S> column;  // P H*
+};
+template <Field S>
+constexpr HingeTimesInertia<S> operator*(const Hinge<S>& H, const Inertia<S>& P) {
+  return {P * H.axis};
+}
+template <Field S>
+constexpr Star<HingeTimesInertia<S>> operator*(const Inertia<S>& P, const Star<Hinge<S>>& H) {
+  return {{P * H.map.axis}};
+}
+template <Field S>
+constexpr JointInertia<S> operator*(const HingeTimesInertia<S>& HP, const Star<Hinge<S>>& H) {
+  return {dot(HP.column, H.map.axis)};
+}
+
+/// G(k), K(k+1,k): Force <- Torque (31), (32).
+template <Field S>
+struct Gain {
+  Vec<Force, S> column;
+  constexpr Star<Gain> T() const { return {*this}; }
+};
+template <Field S>
+constexpr Gain<S> operator*(const Star<HingeTimesInertia<S>>& PHs, const JointCompliance<S>& Dinv) {
+  return {PHs.map.column * Dinv.d};
+}
+template <Field S>
+constexpr Gain<S> operator*(const Shift<S>& phi, const Gain<S>& G) {
+  return {phi * G.column};
+}
+template <Field S>
+constexpr Vec<Force, S> operator*(const Gain<S>& G, const S& torque) {
+  return G.column * torque;
+}
+template <Field S>
+constexpr S operator*(const Star<Gain<S>>& G, const Vec<Motion, S>& V) {
+  return dot(G.map.column, V);
+}
+/// K J K*
+template <Field S>
+struct GainTimesInertia {
+  Gain<S> K;
+  JointInertia<S> J;
+};
+template <Field S>
+constexpr GainTimesInertia<S> operator*(const Gain<S>& K, const JointInertia<S>& J) {
+  return {K, J};
+}
+template <Field S>
+constexpr Inertia<S> operator*(const GainTimesInertia<S>& KJ, const Star<Gain<S>>& K) {
+  return scaled_square(K.map.column, KJ.J.d);
+}
+
+/// H* D^-1: Motion <- Torque, and H* D^-1 H: Motion <- Force.
+template <Field S>
+struct HingeCompliance {
+  Hinge<S> H;
+  JointCompliance<S> Dinv;
+};
+template <Field S>
+constexpr HingeCompliance<S> operator*(const Star<Hinge<S>>& H, const JointCompliance<S>& Dinv) {
+  return {H.map, Dinv};
+}
+template <Field S>
+constexpr Vec<Motion, S> operator*(const HingeCompliance<S>& HD, const S& torque) {
+  return HD.H.axis * (HD.Dinv.d * torque);
+}
+template <Field S>
+constexpr Compliance<S> operator*(const HingeCompliance<S>& HD, const Hinge<S>& H) {
+  return scaled_square(H.axis, HD.Dinv.d);
+}
+
+/// 1 - G H, written `one - G * H`.
+struct One {};
+inline constexpr One one;
+template <Field S>
+struct GainHinge {
+  Gain<S> G;
+  Hinge<S> H;
+};
+template <Field S>
+constexpr GainHinge<S> operator*(const Gain<S>& G, const Hinge<S>& H) {
+  return {G, H};
+}
+template <Field S>
+struct Strip {
+  Gain<S> G;
+  Hinge<S> H;
+};
+template <Field S>
+constexpr Strip<S> operator-(One, const GainHinge<S>& GH) {
+  return {GH.G, GH.H};
+}
+
+/// psi(k+1,k) = phi(k+1,k) (1 - G(k) H(k)) (33), kept as its factors.
+template <Field S>
+struct Psi {
+  Shift<S> phi;
+  Gain<S> G;
+  Hinge<S> H;
+  constexpr Star<Psi> T() const { return {*this}; }
+};
+template <Field S>
+constexpr Psi<S> operator*(const Shift<S>& phi, const Strip<S>& strip) {
+  return {phi, strip.G, strip.H};
+}
+template <Field S>
+constexpr Vec<Force, S> operator*(const Psi<S>& psi, const Vec<Force, S>& f) {
+  return psi.phi * (f - psi.G * (psi.H * f));
+}
+template <Field S>
+constexpr Vec<Motion, S> operator*(const Star<Psi<S>>& psi, const Vec<Motion, S>& V) {
+  const auto& [phi, G, H] = psi.map;
+  const Vec<Motion, S> moved = phi.T() * V;
+  return moved - H.T() * (G.T() * moved);
+}
+
+/// psi P psi*: psi * P waits for psi.T().
+template <Field S>
+struct PsiInertia {
+  Psi<S> psi;
+  Inertia<S> P;
+};
+template <Field S>
+constexpr PsiInertia<S> operator*(const Psi<S>& psi, const Inertia<S>& P) {
+  return {psi, P};
+}
+/// (1 - G H) P (1 - G H)* = P - G (HP) - r G*, with r = P H* - G (H P H*): the product as printed, in symmetric form.
+template <Field S>
+constexpr Inertia<S> operator*(const PsiInertia<S>& left, const Star<Psi<S>>& right) {
+  const auto& [phi, G, H] = right.map;
+  const Vec<Force, S> PH = left.P * H.axis;
+  const Vec<Force, S> r = PH - G.column * dot(PH, H.axis);
+  const S half = S(1) / S(2);
+  return carried(phi, left.P - seeded(Fault::strip_inertia, twice_outer(G.column, (PH + r) * half)));
+}
+
+/// psi* Omega psi: psi.T() * Omega waits for psi.
+template <Field S>
+struct PsiCompliance {
+  Psi<S> psi;
+  Compliance<S> Omega;
+};
+template <Field S>
+constexpr PsiCompliance<S> operator*(const Star<Psi<S>>& psi, const Compliance<S>& Omega) {
+  return {psi.map, Omega};
+}
+/// (1 - G H)* X (1 - G H) = X - H* y* - y H + (G* y) H* H, with X = phi* Omega phi and y = X G.
+template <Field S>
+constexpr Compliance<S> operator*(const PsiCompliance<S>& left, const Psi<S>& right) {
+  const auto& [phi, G, H] = right;
+  const Compliance<S> X = carried(phi.T(), left.Omega);
+  const Vec<Motion, S> y = X * G.column;
+  const S half = S(1) / S(2);
+  const Vec<Motion, S> r = y - H.axis * (dot(G.column, y) * half);
+  return X - seeded(Fault::strip_compliance, twice_outer(H.axis, r));
+}
+
+/// phi* Omega phi for the last step to the tip (60).
+template <Field S>
+struct ShiftCompliance {
+  Shift<S> phi;
+  Compliance<S> Omega;
+};
+template <Field S>
+constexpr ShiftCompliance<S> operator*(const Star<Shift<S>>& phi, const Compliance<S>& Omega) {
+  return {phi.map, Omega};
+}
+template <Field S>
+constexpr Compliance<S> operator*(const ShiftCompliance<S>& left, const Shift<S>& phi) {
+  return carried(phi.T(), left.Omega);
+}
+
+}  // namespace osculate

@@ -1,0 +1,149 @@
+// Linear maps that know their spaces: a forgotten star does not compile. `A.T()` is the paper's A*.
+// Everything is resolved in one frame (the base frame), so phi is a pure shift. Angular part first.
+//
+//   phi, psi: Force <- Force      H: Torque <- Force      M, P: Force <- Motion      Omega: Motion <- Force
+//   D: Torque <- Rate             G, K: Force <- Torque
+#pragma once
+
+#include "spatial/vector3.hpp"
+
+namespace osculate {
+
+struct Force;  // (moment; force), N m and N
+struct Motion {
+  using Dual = Force;
+};  // (angular; linear), rad/s and m/s, and their derivatives
+struct Force {
+  using Dual = Motion;
+};
+
+/// A spatial vector: an element of Motion or Force.
+template <class Space, Field S>
+struct Vec {
+  Vec3<S> ang, lin;
+};
+
+template <class Space, Field S>
+constexpr Vec<Space, S> operator+(const Vec<Space, S>& a, const Vec<Space, S>& b) {
+  return {a.ang + b.ang, a.lin + b.lin};
+}
+template <class Space, Field S>
+constexpr Vec<Space, S> operator-(const Vec<Space, S>& a, const Vec<Space, S>& b) {
+  return {a.ang - b.ang, a.lin - b.lin};
+}
+template <class Space, Field S>
+constexpr Vec<Space, S> operator-(const Vec<Space, S>& a) {
+  return {-a.ang, -a.lin};
+}
+template <class Space, Field S>
+constexpr Vec<Space, S> operator*(const Vec<Space, S>& a, const S& s) {
+  return {a.ang * s, a.lin * s};
+}
+/// Pairing of a force with a motion: power.
+template <class Space, Field S>
+constexpr S dot(const Vec<Space, S>& a, const Vec<typename Space::Dual, S>& b) {
+  return dot(a.ang, b.ang) + dot(a.lin, b.lin);
+}
+
+/// A* of a structured map A: holds A, computes nothing.
+template <class Map>
+struct Star {
+  Map map;
+};
+
+/// phi(k+1,k) (18): moves a force from O(k) to O(k+1); its star moves a motion from O(k+1) to O(k).
+template <Field S>
+struct Shift {
+  Vec3<S> l;  // l(k+1,k) = O(k) - O(k+1), m
+  constexpr Star<Shift> T() const { return {*this}; }
+};
+template <Field S>
+constexpr Vec<Force, S> operator*(const Shift<S>& phi, const Vec<Force, S>& f) {
+  return {f.ang + seeded(Fault::shift_force, cross(phi.l, f.lin)), f.lin};
+}
+template <Field S>
+constexpr Vec<Motion, S> operator*(const Star<Shift<S>>& phi, const Vec<Motion, S>& V) {
+  return {V.ang, V.lin + seeded(Fault::shift_motion, cross(V.ang, phi.map.l))};
+}
+
+/// Symmetric map [J B; B^T A] between a space and its dual, 21 numbers.
+/// To = Force: articulated inertia P. To = Motion: compliance Omega.
+template <class To, Field S>
+struct Symmetric {
+  Sym3<S> J;
+  Mat3<S> B;
+  Sym3<S> A;
+};
+template <Field S>
+using Inertia = Symmetric<Force, S>;
+template <Field S>
+using Compliance = Symmetric<Motion, S>;
+
+template <class To, Field S>
+constexpr Symmetric<To, S> operator+(const Symmetric<To, S>& a, const Symmetric<To, S>& b) {
+  return {a.J + b.J, a.B + b.B, a.A + b.A};
+}
+template <class To, Field S>
+constexpr Symmetric<To, S> operator-(const Symmetric<To, S>& a, const Symmetric<To, S>& b) {
+  return {a.J - b.J, a.B - b.B, a.A - b.A};
+}
+template <class To, Field S>
+constexpr Symmetric<To, S> operator-(const Symmetric<To, S>& a) {
+  return {-a.J, -a.B, -a.A};
+}
+template <class To, Field S>
+constexpr Vec<To, S> operator*(const Symmetric<To, S>& a, const Vec<typename To::Dual, S>& b) {
+  return {a.J * b.ang + a.B * b.lin, transposed_times(a.B, b.ang) + a.A * b.lin};
+}
+/// a b^T + b a^T
+template <class To, Field S>
+constexpr Symmetric<To, S> twice_outer(const Vec<To, S>& a, const Vec<To, S>& b) {
+  return {twice_outer(a.ang, b.ang), outer(a.ang, b.lin) + outer(b.ang, a.lin), twice_outer(a.lin, b.lin)};
+}
+/// s a a^T
+template <class To, Field S>
+constexpr Symmetric<To, S> scaled_square(const Vec<To, S>& a, const S& s) {
+  return {square(a.ang) * s, outer(a.ang, a.lin * s), square(a.lin) * s};
+}
+
+/// phi P phi*
+template <Field S>
+constexpr Inertia<S> carried(const Shift<S>& phi, const Inertia<S>& P) {
+  const Mat3<S> B = P.B + cross(phi.l, full(P.A));
+  return {P.J - seeded(Fault::shift_inertia, upper(cross(B, phi.l) + transpose(cross(P.B, phi.l)))), B, P.A};
+}
+/// phi* Omega phi
+template <Field S>
+constexpr Compliance<S> carried(const Star<Shift<S>>& phi, const Compliance<S>& Omega) {
+  const Vec3<S>& l = phi.map.l;
+  const Mat3<S> B = Omega.B + cross(full(Omega.J), l);
+  return {Omega.J, B,
+          Omega.A - seeded(Fault::shift_compliance, upper(cross(l, B) + transpose(cross(l, Omega.B))))};
+}
+
+/// Rigid-body inertia M(k) (20) about O(k): second moment I, first moment m p, mass.
+template <Field S>
+struct RigidInertia {
+  Sym3<S> I;   // kg m^2, about O(k)
+  Vec3<S> mp;  // kg m
+  S m = S(0);  // kg
+};
+template <Field S>
+constexpr Inertia<S> operator+(const Inertia<S>& P, const RigidInertia<S>& M) {
+  const S& o = M.m;
+  return {P.J + M.I,
+          {{P.B.x.x, P.B.x.y - M.mp.z, P.B.x.z + M.mp.y},
+           {P.B.y.x + M.mp.z, P.B.y.y, P.B.y.z - M.mp.x},
+           {P.B.z.x - M.mp.y, P.B.z.y + M.mp.x, P.B.z.z}},
+          {P.A.xx + o, P.A.xy, P.A.xz, P.A.yy + o, P.A.yz, P.A.zz + o}};
+}
+template <Field S>
+constexpr RigidInertia<S> operator-(const RigidInertia<S>& M) {
+  return {-M.I, -M.mp, -M.m};
+}
+template <Field S>
+constexpr Vec<Force, S> operator*(const RigidInertia<S>& M, const Vec<Motion, S>& V) {
+  return {M.I * V.ang + cross(M.mp, V.lin), V.lin * M.m + cross(V.ang, M.mp)};
+}
+
+}  // namespace osculate
