@@ -45,6 +45,15 @@ Controller::Controller(const Chain<double>& model, std::vector<JointFriction> fr
 
 TaskFactor<double> Controller::factor() const { return {space_.Omega(), options_.rows}; }
 
+int Controller::lost_row(const TaskFactor<double>& Omega) const {
+  for (int i = 0; i < Omega.size(); ++i) {
+    const int row = options_.rows[static_cast<std::size_t>(i)];
+    const double pivot = Omega.pivots()[static_cast<std::size_t>(i)];
+    if (!(pivot > pivot_floor * component(space_.Omega(), row, row))) return row;
+  }
+  return -1;
+}
+
 const Command& Controller::torque(double t, std::span<const double> q, std::span<const double> qd, std::span<double> T) {
   set_positions(model_, q, joints_);
   space_.place(joints_);
@@ -63,16 +72,14 @@ const Command& Controller::torque(double t, std::span<const double> q, std::span
   }
   const auto& [e, ed] = command_.error;
   const Vector6 edd = -options_.damping.cwiseProduct(ed) - options_.stiffness.cwiseProduct(e);
-  command_.u = pose_command(command_.reference, command_.tip, command_.tip_velocity, command_.error, edd);
+  command_.u = options_.constant_command
+                   ? *options_.constant_command
+                   : pose_command(command_.reference, command_.tip, command_.tip_velocity, command_.error, edd);
 
   const TaskFactor<double> Omega = factor();
-  for (int i = 0; i < Omega.size(); ++i) {
-    const int row = options_.rows[static_cast<std::size_t>(i)];
-    const double pivot = Omega.pivots()[static_cast<std::size_t>(i)];
-    if (!(pivot > pivot_floor * component(space_.Omega(), row, row)))
-      throw SingularTask("the arm is singular at t = " + std::to_string(t) + " s: task row " + row_names[row] +
-                         " depends on the rows before it");
-  }
+  if (const int row = lost_row(Omega); row >= 0)
+    throw SingularTask("the arm is singular at t = " + std::to_string(t) + " s: task row " + row_names[row] +
+                       " depends on the rows before it");
   TaskVector<double> right = restricted(space_.right_side(), options_.rows);
   for (std::size_t i = 0; i < options_.rows.size(); ++i)
     right[i] += seeded(Fault::law_command, command_.u[options_.rows[i]]);
@@ -94,6 +101,7 @@ RecursiveTerms Controller::terms(std::span<const double> qd) {
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 6; ++j) out.Omega(i, j) = component(space_.Omega(), i, j);
   const TaskFactor<double> Omega = factor();
+  if (lost_row(Omega) >= 0) return out;
   out.Lambda.resize(m, m);
   for (Eigen::Index j = 0; j < m; ++j) {
     TaskVector<double> unit{};

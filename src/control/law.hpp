@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -27,6 +28,7 @@ struct LawOptions {
   Vector6 damping = Vector6::Constant(20);     // 1/s, each >= 0
   double null_space_damping = 0;               // N m s/rad or N s/m, >= 0
   bool compensate_friction = true;
+  std::optional<Vector6> constant_command;  // u itself, in place of pose tracking
 };
 
 /// What the law decided at one instant. Base frame, about the tip point, angular part first.
@@ -55,7 +57,7 @@ class Controller {
   /// Joint torques, base to tip. Throws SingularTask. The result refers to this object and lasts until the next call.
   const Command& torque(double t, std::span<const double> q, std::span<const double> qd, std::span<double> T);
 
-  /// The terms at the state of the last torque(): c + g as the law used them, c and g by their own recursions.
+  /// The terms at the state of the last torque(), each by its own recursion; Omega alone where the arm is singular.
   RecursiveTerms terms(std::span<const double> qd);
 
   /// The result of the last torque().
@@ -66,11 +68,15 @@ class Controller {
   std::span<const double> null_space_torque() const { return T0_; }
   const LawOptions& options() const { return options_; }
   const Path& path() const { return *path_; }
+  const std::shared_ptr<const Path>& shared_path() const { return path_; }
+  const std::vector<JointFriction>& friction() const { return friction_; }
   const Pose& initial() const { return initial_; }
   const Chain<double>& model() const { return model_; }
 
  private:
   TaskFactor<double> factor() const;
+  /// First task row that depends on the rows before it, or -1.
+  int lost_row(const TaskFactor<double>& Omega) const;
 
   Chain<double> model_;
   std::vector<JointFriction> friction_;

@@ -33,6 +33,7 @@ struct Link {
   Vector3<S> com = Vector3<S>::Zero();           // m, centre of mass in the link frame
   Matrix3<S> inertia = Matrix3<S>::Zero();       // kg m^2, about the centre of mass, link axes
   S armature = S(0);                             // reflected motor inertia: kg m^2 (revolute) or kg (prismatic)
+  bool operator==(const Link&) const = default;
 };
 
 /// A serial chain on a fixed base. `links` run base to tip, as URDF users expect; the recursions renumber (arm.hpp).
@@ -43,6 +44,7 @@ struct Chain {
   Vector3<S> p_tip = Vector3<S>::Zero();       // m, tip point in the last link's frame
   Vector3<S> gravity = Vector3<S>::Zero();     // m/s^2, acceleration of free fall, base frame
   int n() const { return static_cast<int>(links.size()); }
+  bool operator==(const Chain&) const = default;
 };
 
 /// The same numbers in another scalar (double to a wider one, say).

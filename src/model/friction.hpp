@@ -12,6 +12,7 @@ struct JointFriction {
   double coulomb_positive = 0;  // N m or N
   double coulomb_negative = 0;  // N m or N
   double v_s = 1e-2;            // rad/s or m/s, speed that sets the width of the smoothed step
+  bool operator==(const JointFriction&) const = default;
 };
 
 inline double friction_torque(const JointFriction& f, double qd) {

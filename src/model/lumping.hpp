@@ -7,7 +7,7 @@
 
 #include "model/chain.hpp"
 
-namespace osculate {
+namespace osculate::internal {
 
 /// Where a frame stands in another: x_outer = R x_inner + p, p in m.
 struct Placement {
@@ -28,14 +28,17 @@ struct RigidBody {
 /// The same body, given in the frame in which its own frame has the pose `at`.
 RigidBody placed(const Placement& at, const RigidBody& body);
 
-/// The bodies, all in one frame, glued together: mass, first and second moments are conserved (parallel axis theorem).
-/// A single body comes back bit by bit. Where no body has mass the centre of mass is that of the first one.
+/// The bodies, all in one frame, glued together: mass, first and second moments are conserved (parallel axis
+/// theorem). A single body comes back bit by bit. Where no body has mass the centre of mass is that of the
+/// first one.
 RigidBody lump(const std::vector<RigidBody>& bodies);
 
-/// Why no calculation can use this body (negative mass, inertia not positive semidefinite, not finite), or nothing.
+/// Why no calculation can use this body (negative mass, inertia not positive semidefinite, not finite), or
+/// nothing.
 std::optional<std::string> body_fault(const RigidBody& body);
 
-/// Why no rigid body has this inertia (triangle inequality of the principal values), or nothing. Published data does it.
+/// Why no rigid body has this inertia (triangle inequality of the principal values), or nothing. Published
+/// data does it.
 std::optional<std::string> triangle_fault(const RigidBody& body);
 
 /// A number as text, the shortest that reads back the same; never the locale's.
@@ -43,4 +46,4 @@ std::string number(double x);
 /// The same, rounded to six significant digits.
 std::string short_number(double x);
 
-}  // namespace osculate
+}  // namespace osculate::internal

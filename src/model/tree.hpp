@@ -9,15 +9,15 @@
 #include "model/lumping.hpp"
 #include "model/urdf.hpp"
 
-namespace osculate {
+namespace osculate::internal {
 
 enum class TreeJointType { revolute, continuous, prismatic, fixed, floating, planar };
 
 struct TreeJoint {
   std::string name, parent, child;  // parent and child are links
   TreeJointType type = TreeJointType::fixed;
-  Placement origin;                                  // child link frame at zero, in the parent link frame
-  Vector3<double> axis = Vector3<double>::Zero();    // joint frame, as the file gives it: not normalised
+  Placement origin;                                // child link frame at zero, in the parent link frame
+  Vector3<double> axis = Vector3<double>::Zero();  // joint frame, as the file gives it: not normalised
   std::optional<double> lower, upper, velocity, effort;
   double damping = 0, friction = 0;
   std::optional<std::string> mimics;  // the joint that <mimic> names
@@ -40,10 +40,13 @@ struct Tree {
   std::map<std::string, std::vector<int>> joints_out_of;  // parent link -> joints it carries
 };
 
-/// A name between quotes, safe to print.
+/// Control characters of a file's text made visible, so that it can be printed.
+std::string printable(const std::string& text);
+/// A name between quotes, printable.
 std::string in_quotes(const std::string& name);
 
-/// Finds the way from every link to the root. Throws ModelError where a link has two parent joints or a cycle exists.
+/// Finds the way from every link to the root. Throws ModelError where a link has two parent joints or a cycle
+/// exists.
 void connect(Tree& tree);
 
 /// One sentence for every link whose numbers cannot be used, "link 'x': reason". Empty: all is well.
@@ -56,4 +59,4 @@ ArmDescription extract_chain(const Tree& tree, const ChainChoice& choice);
 /// One line for each link and joint of a connected tree, indented by depth, then one for each number fault.
 std::vector<std::string> list_tree(const Tree& tree);
 
-}  // namespace osculate
+}  // namespace osculate::internal

@@ -1,5 +1,7 @@
 #include "simulation/closed_loop.hpp"
 
+#include "simulation/cvode.hpp"
+
 namespace osculate {
 
 ClosedLoop::ClosedLoop(Controller controller, Plant plant)
@@ -17,7 +19,11 @@ void ClosedLoop::right_side(double t, const double* y, double* yd) {
   const std::size_t n = joints_.size();
   const std::span<const double> q{y, n}, qd{y + n, n};
   const std::span<double> torque{seen_.torque};
-  controller_.torque(t, q, qd, torque);
+  try {
+    controller_.torque(t, q, qd, torque);
+  } catch (const SingularTask& error) {
+    throw IntegrationStopped(IntegrationStopped::Reason::singular, error.what());
+  }
 
   double power = 0, loss = 0;  // W
   for (std::size_t i = 0; i < n; ++i) {
@@ -33,6 +39,19 @@ void ClosedLoop::right_side(double t, const double* y, double* yd) {
   yd[2 * n] = power;
   yd[2 * n + 1] = loss;
   yd[2 * n + 2] = dot(tip_force_, plant_dynamics_.tip_velocity());
+}
+
+bool ClosedLoop::plant_is_model() const {
+  if (!(plant_.chain == controller_.model()) || !plant_.tip_force.isZero(0)) return false;
+  const std::vector<JointFriction> none(joints_.size());
+  const auto or_none = [&none](const std::vector<JointFriction>& f) { return f.empty() ? none : f; };
+  return or_none(plant_.friction) == (controller_.options().compensate_friction ? or_none(controller_.friction()) : none);
+}
+
+Vector6 ClosedLoop::plant_tip_velocity() const {
+  Vector6 V;
+  for (int i = 0; i < 6; ++i) V[i] = component(plant_dynamics_.tip_velocity(), i);
+  return V;
 }
 
 const Observation& ClosedLoop::observe(double t, std::span<const double> y) {

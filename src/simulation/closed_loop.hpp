@@ -35,7 +35,7 @@ class ClosedLoop {
   int joints() const { return plant_dynamics_.n(); }
   std::size_t states() const { return 2 * static_cast<std::size_t>(joints()) + 3; }
 
-  /// y' = f(t, y). Throws SingularTask. Uses this object's workspace: one object for each integrator.
+  /// y' = f(t, y). Throws IntegrationStopped where the arm is singular. Uses this object's workspace: one object for each integrator.
   void right_side(double t, const double* y, double* yd);
 
   /// The closed loop at (t, y) in full, by the lines that right_side runs. Valid until the next call.
@@ -44,6 +44,13 @@ class ClosedLoop {
   Controller& controller() { return controller_; }
   const Controller& controller() const { return controller_; }
   const Plant& plant() const { return plant_; }
+  /// True if the controller believes the truth: the same arm, friction compensated exactly, no wrench on the tip. Then
+  /// (5) must hold.
+  bool plant_is_model() const;
+  /// Joint torque minus friction that the plant felt in the last evaluation, base to tip.
+  std::span<const double> net_torque() const { return net_torque_; }
+  /// Tip velocity of the plant in the last evaluation, by its own recursion.
+  Vector6 plant_tip_velocity() const;
 
  private:
   Controller controller_;

@@ -45,18 +45,22 @@ constexpr S operator*(const JointCompliance<S>& D, const S& torque) {
   return D.d * torque;
 }
 
-/// H P, and its star P H*: Force <- Rate.
+/// H P: Torque <- Motion, and its star P H*: Force <- Rate, both kept as P H*.
 template <Field S>
 struct HingeTimesInertia {
-  Vec<Force, S> column;  // P H*
+  Vec<Force, S> column;
+};
+template <Field S>
+struct InertiaTimesHinge {
+  Vec<Force, S> column;
 };
 template <Field S>
 constexpr HingeTimesInertia<S> operator*(const Hinge<S>& H, const Inertia<S>& P) {
   return {P * H.axis};
 }
 template <Field S>
-constexpr Star<HingeTimesInertia<S>> operator*(const Inertia<S>& P, const Star<Hinge<S>>& H) {
-  return {{P * H.map.axis}};
+constexpr InertiaTimesHinge<S> operator*(const Inertia<S>& P, const Star<Hinge<S>>& H) {
+  return {P * H.map.axis};
 }
 template <Field S>
 constexpr JointInertia<S> operator*(const HingeTimesInertia<S>& HP, const Star<Hinge<S>>& H) {
@@ -70,8 +74,8 @@ struct Gain {
   constexpr Star<Gain> T() const { return {*this}; }
 };
 template <Field S>
-constexpr Gain<S> operator*(const Star<HingeTimesInertia<S>>& PHs, const JointCompliance<S>& Dinv) {
-  return {PHs.map.column * Dinv.d};
+constexpr Gain<S> operator*(const InertiaTimesHinge<S>& PH, const JointCompliance<S>& Dinv) {
+  return {PH.column * Dinv.d};
 }
 template <Field S>
 constexpr Gain<S> operator*(const Shift<S>& phi, const Gain<S>& G) {
@@ -88,8 +92,8 @@ constexpr S operator*(const Star<Gain<S>>& G, const Vec<Motion, S>& V) {
 /// K J K*
 template <Field S>
 struct GainTimesInertia {
-  Gain<S> K;
-  JointInertia<S> J;
+  const Gain<S>& K;
+  const JointInertia<S>& J;
 };
 template <Field S>
 constexpr GainTimesInertia<S> operator*(const Gain<S>& K, const JointInertia<S>& J) {
@@ -103,7 +107,7 @@ constexpr Inertia<S> operator*(const GainTimesInertia<S>& KJ, const Star<Gain<S>
 /// H* D^-1: Motion <- Torque, and H* D^-1 H: Motion <- Force.
 template <Field S>
 struct HingeCompliance {
-  Hinge<S> H;
+  const Hinge<S>& H;
   JointCompliance<S> Dinv;
 };
 template <Field S>
@@ -124,8 +128,8 @@ struct One {};
 inline constexpr One one;
 template <Field S>
 struct GainHinge {
-  Gain<S> G;
-  Hinge<S> H;
+  const Gain<S>& G;
+  const Hinge<S>& H;
 };
 template <Field S>
 constexpr GainHinge<S> operator*(const Gain<S>& G, const Hinge<S>& H) {
@@ -133,8 +137,8 @@ constexpr GainHinge<S> operator*(const Gain<S>& G, const Hinge<S>& H) {
 }
 template <Field S>
 struct Strip {
-  Gain<S> G;
-  Hinge<S> H;
+  const Gain<S>& G;
+  const Hinge<S>& H;
 };
 template <Field S>
 constexpr Strip<S> operator-(One, const GainHinge<S>& GH) {
@@ -164,11 +168,11 @@ constexpr Vec<Motion, S> operator*(const Star<Psi<S>>& psi, const Vec<Motion, S>
   return moved - H.T() * (G.T() * moved);
 }
 
-/// psi P psi*: psi * P waits for psi.T().
+/// psi P psi*: psi * P waits for psi.T(). These waiting products refer to their factors.
 template <Field S>
 struct PsiInertia {
-  Psi<S> psi;
-  Inertia<S> P;
+  const Psi<S>& psi;
+  const Inertia<S>& P;
 };
 template <Field S>
 constexpr PsiInertia<S> operator*(const Psi<S>& psi, const Inertia<S>& P) {
@@ -187,8 +191,8 @@ constexpr Inertia<S> operator*(const PsiInertia<S>& left, const Star<Psi<S>>& ri
 /// psi* Omega psi: psi.T() * Omega waits for psi.
 template <Field S>
 struct PsiCompliance {
-  Psi<S> psi;
-  Compliance<S> Omega;
+  const Psi<S>& psi;
+  const Compliance<S>& Omega;
 };
 template <Field S>
 constexpr PsiCompliance<S> operator*(const Star<Psi<S>>& psi, const Compliance<S>& Omega) {
@@ -208,8 +212,8 @@ constexpr Compliance<S> operator*(const PsiCompliance<S>& left, const Psi<S>& ri
 /// phi* Omega phi for the last step to the tip (60).
 template <Field S>
 struct ShiftCompliance {
-  Shift<S> phi;
-  Compliance<S> Omega;
+  const Shift<S>& phi;
+  const Compliance<S>& Omega;
 };
 template <Field S>
 constexpr ShiftCompliance<S> operator*(const Star<Shift<S>>& phi, const Compliance<S>& Omega) {

@@ -45,10 +45,10 @@ constexpr S dot(const Vec<Space, S>& a, const Vec<typename Space::Dual, S>& b) {
   return dot(a.ang, b.ang) + dot(a.lin, b.lin);
 }
 
-/// A* of a structured map A: holds A, computes nothing.
+/// A* of a structured map A: refers to A, computes nothing. Use it in the expression that makes it.
 template <class Map>
 struct Star {
-  Map map;
+  const Map& map;
 };
 
 /// phi(k+1,k) (18): moves a force from O(k) to O(k+1); its star moves a motion from O(k+1) to O(k).

@@ -1,0 +1,344 @@
+#include "cli/terms.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iomanip>
+#include <ostream>
+#include <sstream>
+
+#include "cli/json.hpp"
+#include "experiment/arms.hpp"
+#include "verification/step_check.hpp"
+
+namespace osculate {
+
+namespace {
+
+constexpr const char* row_names[] = {"wx", "wy", "wz", "vx", "vy", "vz"};
+
+std::vector<double> numbers(const std::string& text, const std::string& what) {
+  std::vector<double> out;
+  std::size_t from = 0;
+  while (from <= text.size()) {
+    const std::size_t to = std::min(text.find(',', from), text.size());
+    std::string item = text.substr(from, to - from);
+    item.erase(0, item.find_first_not_of(" \t"));
+    item.erase(item.find_last_not_of(" \t\r") + 1);
+    double value = 0;
+    const char* begin = item.data() + (item.rfind('+', 0) == 0 ? 1 : 0);
+    const auto [end, error] = std::from_chars(begin, item.data() + item.size(), value);
+    if (item.empty() || error != std::errc() || end != item.data() + item.size() || !std::isfinite(value))
+      throw ConfigError(what + ": entry " + std::to_string(out.size() + 1) + " is '" + item +
+                        "': give finite numbers separated by commas");
+    out.push_back(value);
+    from = to + 1;
+  }
+  return out;
+}
+
+TaskRows parse_rows(const std::string& text) {
+  if (text.empty()) return all_rows();
+  TaskRows rows;
+  std::istringstream items(text);
+  for (std::string item; std::getline(items, item, ',');) {
+    int row = 0;
+    while (row < 6 && item != row_names[row]) ++row;
+    if (row == 6) throw ConfigError("--rows: '" + item + "' is no task row: choose from wx,wy,wz,vx,vy,vz");
+    if (std::find(rows.begin(), rows.end(), row) != rows.end()) throw ConfigError("--rows: '" + item + "' is given twice");
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+struct State {
+  std::vector<double> q, qd;
+  Vector6 u = Vector6::Zero();
+};
+
+State make_state(const std::vector<double>& q, const std::vector<double>& qd, const std::vector<double>& u,
+                 const TaskRows& rows, const ArmDescription& arm, const std::string& where) {
+  const auto n = static_cast<std::size_t>(arm.chain.n());
+  const auto count = [&](const std::vector<double>& list, std::size_t wanted, const char* name, const char* each) {
+    if (list.size() != wanted)
+      throw ConfigError(where + name + " has " + std::to_string(list.size()) + " entries, needs " +
+                        std::to_string(wanted) + " (one for each " + each + ")");
+  };
+  count(q, n, "q", "joint, base to tip");
+  State state{q, qd.empty() ? std::vector<double>(n, 0.0) : qd};
+  count(state.qd, n, "qd", "joint, base to tip");
+  if (!u.empty()) {
+    count(u, rows.size(), "u", "task row");
+    for (std::size_t i = 0; i < rows.size(); ++i) state.u[rows[i]] = u[i];
+  }
+  return state;
+}
+
+std::vector<State> read_states(const std::filesystem::path& file, const TaskRows& rows, const ArmDescription& arm) {
+  std::ifstream in(file);
+  if (!in) throw ConfigError(file.string() + ": cannot be read: check the name and the permissions");
+  const auto n = static_cast<std::size_t>(arm.chain.n());
+  std::vector<State> states;
+  int number = 0;
+  for (std::string line; std::getline(in, line);) {
+    ++number;
+    line.erase(0, line.find_first_not_of(" \t\r"));
+    const bool heading = states.empty() && !line.empty() && std::isalpha(static_cast<unsigned char>(line[0]));
+    if (line.empty() || line[0] == '#' || heading) continue;
+    const std::string where = file.string() + ":" + std::to_string(number) + ": ";
+    const std::vector<double> all = numbers(line, where + "state");
+    const std::size_t m = rows.size();
+    if (all.size() != n && all.size() != 2 * n && all.size() != 2 * n + m)
+      throw ConfigError(where + "a state has " + std::to_string(n) + " numbers (q), " + std::to_string(2 * n) +
+                        " (q, qd) or " + std::to_string(2 * n + m) + " (q, qd, u), this line " + std::to_string(all.size()));
+    const auto part = [&all](std::size_t from, std::size_t to) {
+      return from < all.size() ? std::vector<double>(all.begin() + static_cast<std::ptrdiff_t>(from),
+                                                     all.begin() + static_cast<std::ptrdiff_t>(to))
+                               : std::vector<double>();
+    };
+    states.push_back(make_state(part(0, n), part(n, 2 * n), part(2 * n, all.size()), rows, arm, where));
+  }
+  if (states.empty()) throw ConfigError(file.string() + ": no states in the file");
+  return states;
+}
+
+/// Both sides at one state, by the lines that a run uses.
+struct Evaluation {
+  Evidence evidence;
+  Residuals residuals;
+  MatrixX<double> J;  // n columns, chosen rows
+  int rank = 0;
+  double condition = 0;
+  std::vector<std::string> warnings;
+  bool regular() const { return evidence.terms.Lambda.size() > 0; }
+};
+
+Evaluation evaluate(const ArmDescription& arm, const State& state, const TaskRows& rows) {
+  const Chain<double>& chain = arm.chain;
+  std::vector<double> y(state.q);
+  y.insert(y.end(), state.qd.begin(), state.qd.end());
+  y.insert(y.end(), 3, 0.0);
+  const auto judge = [&](Law law) {
+    LawOptions options;
+    options.law = law;
+    options.rows = rows;
+    options.constant_command = state.u;
+    Controller controller(chain, {}, options, make_path(HoldOptions{}), tip_pose(chain, state.q));
+    ClosedLoop loop(std::move(controller), Plant{chain, {}, Vector6::Zero()});
+    return gather(loop, 0, y);
+  };
+  Evaluation out;
+  out.evidence = judge(Law::free);
+  out.rank = scaled_rank(out.evidence.task.Omega);
+  if (out.rank == static_cast<int>(rows.size())) {
+    try {
+      out.evidence = judge(Law::operational_space);
+    } catch (const IntegrationStopped&) {
+      out.evidence.terms = {};
+    }
+  } else {
+    out.evidence.terms = {};
+  }
+  out.residuals = assess(out.evidence);
+  out.condition = scaled_condition(out.evidence.task.Omega);
+  if (!out.regular())
+    out.warnings.push_back("Omega has rank " + std::to_string(out.rank) + " of " + std::to_string(rows.size()) +
+                           ": Lambda, c, g, F, T and qdd do not exist" +
+                           (arm.chain.n() < static_cast<int>(rows.size())
+                                ? "; with " + std::to_string(arm.chain.n()) + " joints choose fewer rows with --rows"
+                                : "; the arm is singular here"));
+  return out;
+}
+
+constexpr std::array<std::pair<const char*, Claim>, 6> judged{{{"Omega", Claim::omega},
+                                                               {"Lambda", Claim::lambda},
+                                                               {"c", Claim::c},
+                                                               {"g", Claim::g},
+                                                               {"T", Claim::torque},
+                                                               {"qdd", Claim::forward_dynamics}}};
+
+const Residual& residual(const Evaluation& e, Claim claim) { return e.residuals[index(claim)]; }
+
+/// True if a residual exceeds its bound.
+bool fails(const Evaluation& e) {
+  for (const auto& [key, claim] : judged) {
+    const Residual& r = residual(e, claim);
+    if (r.applies && r.bound <= undecided_bound && !(r.value <= r.bound)) return true;
+  }
+  return false;
+}
+
+void write_json(Json& json, const ArmDescription& arm, const Evaluation& e, const TaskRows& rows) {
+  const Evidence& v = e.evidence;
+  json.begin_object();
+  json.key("joints").begin_array();
+  for (const auto& joint : arm.joints) json.value(joint.name);
+  json.end_array();
+  json.key("n").value(arm.chain.n());
+  json.key("tip").begin_object();
+  json.key("position").value(VectorX<double>(v.tip.p));
+  json.key("rotation").value(MatrixX<double>(v.tip.R));
+  json.end_object();
+  json.key("M").value(v.model.joint.M);
+  json.key("C").value(v.model.joint.C);
+  json.key("G").value(v.model.joint.G);
+  json.key("J").value(MatrixX<double>(v.task.J));
+  json.key("Jdot_qd").value(v.task.Jdot_qd);
+
+  const auto m = static_cast<Eigen::Index>(rows.size());
+  MatrixX<double> Omega(m, m);
+  for (Eigen::Index i = 0; i < m; ++i)
+    for (Eigen::Index j = 0; j < m; ++j)
+      Omega(i, j) = v.recursive.Omega(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
+  const auto nulls = [&json] {
+    for (const char* key : {"Lambda", "c", "g", "F", "T", "qdd"}) json.key(key).null();
+  };
+  json.key("recursive").begin_object();
+  json.key("Omega").value(Omega);
+  if (e.regular()) {
+    json.key("Lambda").value(v.recursive.Lambda);
+    json.key("c").value(v.recursive.c);
+    json.key("g").value(v.recursive.g);
+    json.key("F").value(v.F);
+    json.key("T").value(v.T);
+    json.key("qdd").value(v.qdd);
+  } else {
+    nulls();
+  }
+  json.end_object();
+  json.key("dense").begin_object();
+  json.key("Omega").value(v.task.Omega);
+  if (e.regular()) {
+    const auto force = dense::task_force(v.task, v.terms, v.u);
+    json.key("Lambda").value(v.terms.Lambda);
+    json.key("c").value(v.terms.c);
+    json.key("g").value(v.terms.g);
+    json.key("F").value(force.F);
+    json.key("T").value(force.T);
+    json.key("qdd").value(dense::forward_dynamics(v.plant.joint, v.plant.tip.J, force.T));
+  } else {
+    nulls();
+  }
+  json.end_object();
+  json.key("residual").begin_object();
+  json.key("Omega").value(residual(e, Claim::omega).value);
+  if (e.regular()) {
+    json.key("Lambda").value(residual(e, Claim::lambda).value);
+    json.key("c").value(residual(e, Claim::c).value);
+    json.key("g").value(residual(e, Claim::g).value);
+    json.key("F").value(force_residual(v));
+    json.key("T").value(residual(e, Claim::torque).value);
+    json.key("qdd").value(residual(e, Claim::forward_dynamics).value);
+  } else {
+    nulls();
+  }
+  json.end_object();
+  json.key("bound").begin_object();
+  for (const auto& [key, claim] : judged) {
+    const Residual& r = residual(e, claim);
+    if (r.applies && (e.regular() || claim == Claim::omega))
+      json.key(key).value(r.bound);
+    else
+      json.key(key).null();
+  }
+  json.end_object();
+  if (std::isfinite(e.condition))
+    json.key("cond_Omega").value(e.condition);
+  else
+    json.key("cond_Omega").null();
+  json.key("rank").value(e.rank);
+  json.key("warnings").begin_array();
+  for (const auto& w : arm.warnings) json.value(w);
+  for (const auto& w : e.warnings) json.value(w);
+  json.end_array();
+  json.end_object();
+}
+
+void write_text(std::ostream& out, const ArmDescription& arm, const Evaluation& e, const TaskRows& rows) {
+  const Evidence& v = e.evidence;
+  const Eigen::IOFormat format(6, 0, "  ", "\n", "  ", "");
+  const auto row = [&](const char* name, const VectorX<double>& x) {
+    out << std::left << std::setw(8) << name << std::right << x.transpose().format(format) << "\n";
+  };
+  out << arm.robot << ": " << arm.base << " to " << arm.tip << ", " << arm.chain.n() << " joints; rows";
+  for (const int r : rows) out << " " << row_names[r];
+  out << "; base frame, about the tip point, SI units\n";
+  row("tip", v.tip.p);
+  out << "Omega (recursive)\n";
+  const auto m = static_cast<Eigen::Index>(rows.size());
+  MatrixX<double> Omega(m, m);
+  for (Eigen::Index i = 0; i < m; ++i)
+    for (Eigen::Index j = 0; j < m; ++j)
+      Omega(i, j) = v.recursive.Omega(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
+  out << Omega.format(format) << "\n";
+  if (e.regular()) {
+    out << "Lambda (recursive)\n" << v.recursive.Lambda.format(format) << "\n";
+    row("c", v.recursive.c);
+    row("g", v.recursive.g);
+    row("F", v.F);
+    row("T", v.T);
+    row("qdd", v.qdd);
+  }
+  out << "cond(Omega), unit diagonal: " << e.condition << ", rank " << e.rank << "\n";
+}
+
+}  // namespace
+
+Vector3<double> parse_vector3(const std::string& text, const std::string& what) {
+  const std::vector<double> values = numbers(text, what);
+  if (values.size() != 3) throw ConfigError(what + " has " + std::to_string(values.size()) + " entries, needs 3: X,Y,Z");
+  return {values[0], values[1], values[2]};
+}
+
+Exit terms(const TermsOptions& options, std::ostream& out, std::ostream& messages) {
+  const ArmDescription arm = load_urdf(options.model, options.choice);
+  const TaskRows rows = parse_rows(options.rows);
+  std::vector<State> states;
+  if (options.states) {
+    states = read_states(*options.states, rows, arm);
+  } else {
+    const auto list = [](const std::string& text, const char* name) {
+      return text.empty() ? std::vector<double>() : numbers(text, name);
+    };
+    states.push_back(make_state(list(options.q, "--q"), list(options.qd, "--qd"), list(options.u, "--u"), rows, arm, "--"));
+  }
+  for (const auto& w : arm.warnings) messages << "warning: " << w << "\n";
+
+  Json json(out);
+  if (options.json && options.states) json.begin_array();
+  bool failed = false;
+  std::size_t singular = 0;
+  std::array<Residual, judged.size()> worst{};
+  for (const State& state : states) {
+    require_articulated(arm.chain, arm, state.q);
+    const Evaluation e = evaluate(arm, state, rows);
+    failed = failed || fails(e);
+    singular += e.regular() ? 0 : 1;
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+      const Residual& r = residual(e, judged[i].second);
+      if (r.applies && r.bound <= undecided_bound && r.value * worst[i].bound >= worst[i].value * r.bound) worst[i] = r;
+    }
+    if (options.json) {
+      write_json(json, arm, e, rows);
+    } else if (!options.states) {
+      write_text(out, arm, e, rows);
+    }
+    if (!options.states)
+      for (const auto& w : e.warnings) messages << "warning: " << w << "\n";
+  }
+  if (options.json && options.states) json.end_array();
+  if (options.json) {
+    out << "\n";
+  } else {
+    out << states.size() << " states, " << singular << " without full rank; worst residual against the dense formulas, and its bound\n";
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+      char line[96];
+      std::snprintf(line, sizeof line, "  %-8s %9.2e  %9.2e\n", judged[i].first, worst[i].value, worst[i].bound);
+      out << line;
+    }
+  }
+  return failed ? Exit::claim_failed : Exit::ok;
+}
+
+}  // namespace osculate

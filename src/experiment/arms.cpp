@@ -1,0 +1,83 @@
+#include "experiment/arms.hpp"
+
+#include <limits>
+
+namespace osculate {
+
+namespace {
+
+/// The tip link with a payload rigidly added. Inertias about the common centre of mass, link axes.
+void add_payload(Chain<double>& chain, const Payload& payload) {
+  if (payload.mass == 0) return;
+  Link<double>& link = chain.links.back();
+  const Vector3<double> com = chain.p_tip + chain.R_tip * payload.com;
+  const Matrix3<double> inertia = chain.R_tip * payload.inertia * chain.R_tip.transpose();
+  const double mass = link.mass + payload.mass;
+  const Vector3<double> common = (link.mass * link.com + payload.mass * com) / mass;
+  const auto about_common = [&common](double m, const Vector3<double>& r) -> Matrix3<double> {
+    const Vector3<double> d = r - common;
+    return m * (d.squaredNorm() * Matrix3<double>::Identity() - d * d.transpose());
+  };
+  link.inertia += about_common(link.mass, link.com) + inertia + about_common(payload.mass, com);
+  link.mass = mass;
+  link.com = common;
+}
+
+void set_armature(Chain<double>& chain, const std::vector<double>& armature) {
+  for (std::size_t i = 0; i < armature.size(); ++i) chain.links[i].armature = armature[i];
+}
+
+}  // namespace
+
+void require_articulated(const Chain<double>& chain, const ArmDescription& description, std::span<const double> q) {
+  ForwardDynamics<double> arm(chain);
+  const std::vector<double> still(q.size(), 0.0);
+  std::vector<double> qdd(q.size());
+  arm.place(positions(chain, q));
+  arm.accelerations(still, still, {}, qdd);
+  double mass = 0, size = chain.p_tip.norm();
+  for (const auto& link : chain.links) {
+    mass += link.mass;
+    size += link.p_origin.norm();
+  }
+  for (int k = 1; k <= chain.n(); ++k) {
+    const auto i = static_cast<std::size_t>(chain.n() - k);
+    const bool turns = chain.links[i].type == JointType::revolute;
+    // D below the rounding of the sums it is made of means that nothing outboard resists this joint.
+    const double floor = 16 * chain.n() * std::numeric_limits<double>::epsilon() * mass * (turns ? size * size : 1);
+    const double D = arm.articulated_joint_inertia(k);
+    if (D > floor) continue;
+    std::string text = description.source + ": joint '" + description.joints[i].name + "': D(" + std::to_string(k) +
+                       ") = " + std::to_string(D) + (turns ? " kg m^2" : " kg") +
+                       ": links outboard of it have no inertia about its axis. Give them inertia, or armature to the joint.";
+    for (const auto& concern : description.inertia_concerns) text += "\n  " + concern;
+    throw ModelError(text);
+  }
+}
+
+Arms make_arms(const Experiment& experiment) {
+  Arms arms;
+  arms.description = load_urdf(experiment.model.urdf, experiment.model.choice);
+  check_against(experiment, arms.description);
+  arms.warnings = arms.description.warnings;
+
+  arms.model = arms.description.chain;
+  set_armature(arms.model, experiment.model.armature);
+  arms.friction = experiment.model.friction;
+
+  const PlantConfig& config = experiment.plant;
+  arms.plant.chain = arms.model;
+  if (config.armature) set_armature(arms.plant.chain, *config.armature);
+  for (auto& link : arms.plant.chain.links) {
+    link.mass *= config.mass_scale;
+    link.inertia *= config.mass_scale;
+  }
+  add_payload(arms.plant.chain, config.payload);
+  arms.plant.friction = config.friction.value_or(arms.friction);
+  arms.plant.tip_force = config.tip_force;
+
+  for (const auto* chain : {&arms.model, &arms.plant.chain}) require_articulated(*chain, arms.description, experiment.q);
+  return arms;
+}
+
+}  // namespace osculate

@@ -1,0 +1,217 @@
+#include "experiment/recording.hpp"
+
+#include <limits>
+
+#include "control/rotation.hpp"
+#include "experiment/provenance.hpp"
+
+namespace osculate {
+
+namespace {
+
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+
+const std::vector<std::string> spatial_labels{"wx", "wy", "wz", "vx", "vy", "vz"};
+const std::vector<std::string> xyz_labels{"x", "y", "z"};
+
+std::vector<std::string> halves(const std::string& angular, const std::string& linear) {
+  return {angular, angular, angular, linear, linear, linear};
+}
+
+Layout make_layout(const Experiment& experiment, const Arms& arms, const std::string& command) {
+  Layout layout;
+  layout.title = experiment.name;
+
+  std::vector<std::string> names, position_units, velocity_units, acceleration_units, effort_units, rows;
+  for (const auto& joint : arms.description.joints) {
+    const bool turns = joint.type == JointType::revolute;
+    names.push_back(joint.name);
+    position_units.push_back(turns ? "rad" : "m");
+    velocity_units.push_back(turns ? "rad/s" : "m/s");
+    acceleration_units.push_back(turns ? "rad/s^2" : "m/s^2");
+    effort_units.push_back(turns ? "N m" : "N");
+  }
+  for (const int row : experiment.controller.rows) rows.push_back(spatial_labels[static_cast<std::size_t>(row)]);
+
+  layout.axes = {
+      {"time", {}, "s", "time of the recorded instants"},
+      {"step", {}, "1", "number of the accepted integrator step"},
+      {"joint", names, "", "joints, base to tip"},
+      {"position_coordinate", names, "", "joint position coordinates, base to tip"},
+      {"velocity_coordinate", names, "", "joint velocity coordinates, base to tip"},
+      {"spatial", spatial_labels, "", "spatial components, angular first, base frame, about the tip point"},
+      {"spatial_column", spatial_labels, "", "columns of a spatial matrix"},
+      {"xyz", xyz_labels, "", "components in the base frame"},
+      {"quaternion", {"w", "x", "y", "z"}, "", "quaternion components"},
+      {"task_row", rows, "", "rows that the task controls"},
+  };
+  layout.lists = {
+      {"position_unit", "position_coordinate", position_units, "unit of joint positions"},
+      {"velocity_unit", "velocity_coordinate", velocity_units, "unit of joint velocities"},
+      {"acceleration_unit", "velocity_coordinate", acceleration_units, "unit of joint accelerations"},
+      {"effort_unit", "velocity_coordinate", effort_units, "unit of joint torques and forces"},
+      {"spatial_velocity_unit", "spatial", halves("rad/s", "m/s"), "unit of spatial velocities"},
+      {"spatial_acceleration_unit", "spatial", halves("rad/s^2", "m/s^2"), "unit of spatial accelerations"},
+      {"spatial_force_unit", "spatial", halves("N m", "N"), "unit of spatial forces"},
+      {"spatial_error_unit", "spatial", halves("rad", "m"), "unit of the pose error"},
+  };
+
+  const auto along_time = [&layout](const std::string& path, const std::vector<std::string>& more,
+                                    const std::string& unit, const std::string& name, bool may_be_missing = false) {
+    std::vector<std::string> axes{"time"};
+    axes.insert(axes.end(), more.begin(), more.end());
+    layout.variables.push_back({path, axes, unit, name, Kind::real, may_be_missing});
+  };
+  along_time("trajectory/joint_position", {"position_coordinate"}, "", "joint positions");
+  along_time("trajectory/joint_velocity", {"velocity_coordinate"}, "", "joint velocities");
+  along_time("trajectory/joint_acceleration", {"velocity_coordinate"}, "", "joint accelerations of the plant");
+  along_time("trajectory/joint_torque", {"velocity_coordinate"}, "", "joint torques applied by the controller");
+  along_time("trajectory/tip_position", {"xyz"}, "m", "tip point");
+  along_time("trajectory/tip_orientation", {"quaternion"}, "1", "tip axes, sign continuous in time");
+  along_time("trajectory/tip_velocity", {"spatial"}, "", "tip velocity");
+  along_time("trajectory/tip_acceleration", {"spatial"}, "", "tip acceleration of the plant, ordinary");
+  along_time("trajectory/command", {"spatial"}, "", "commanded tip acceleration u", true);
+  along_time("trajectory/pose_error", {"spatial"}, "", "rotation vector and position error, reference minus tip");
+  along_time("trajectory/reference_position", {"xyz"}, "m", "reference of the tip point");
+  along_time("trajectory/reference_orientation", {"quaternion"}, "1", "reference of the tip axes");
+  along_time("trajectory/reference_velocity", {"spatial"}, "", "reference velocity");
+  along_time("trajectory/reference_acceleration", {"spatial"}, "", "reference acceleration");
+  along_time("operational_space/Omega", {"spatial", "spatial_column"}, "", "J M^-1 J*, inverse of Lambda, by recursion");
+  along_time("operational_space/Lambda", {"spatial", "spatial_column"}, "",
+             "operational-space inertia on the task rows, by recursion", true);
+  along_time("operational_space/c", {"spatial"}, "", "operational-space Coriolis and centrifugal force", true);
+  along_time("operational_space/g", {"spatial"}, "", "operational-space gravity force", true);
+  along_time("operational_space/F", {"spatial"}, "", "commanded tip force F_c", true);
+  along_time("operational_space/cond_Omega", {}, "1", "condition number of Omega on the task rows, scaled to unit diagonal",
+             true);
+  along_time("energy/kinetic", {}, "J", "kinetic energy of links and rotors");
+  along_time("energy/potential", {}, "J", "potential energy");
+  along_time("energy/work", {}, "J", "work of the joint torques since the start");
+  along_time("energy/dissipated", {}, "J", "energy lost in joint friction since the start");
+  along_time("energy/external_work", {}, "J", "work of the external tip force since the start");
+
+  const auto along_steps = [&layout](const std::string& path, const std::string& unit, const std::string& name,
+                                     Kind kind, bool may_be_missing) {
+    layout.variables.push_back({path, {"step"}, unit, name, kind, may_be_missing});
+  };
+  along_steps("step_time", "s", "time at the end of the step", Kind::real, false);
+  along_steps("solver/step_size", "s", "step size", Kind::real, false);
+  along_steps("solver/order", "1", "order of the method", Kind::integer, false);
+  along_steps("solver/rhs_evaluations", "1", "right-hand side evaluations since the start", Kind::integer, false);
+  along_steps("solver/local_error", "1", "largest estimated local error in units of its tolerance", Kind::real, false);
+  along_steps("solver/global_error_position", "m", "estimate of the tip position's true error so far", Kind::real, true);
+  along_steps("solver/global_error_orientation", "rad", "estimate of the tip orientation's true error so far", Kind::real,
+              true);
+  for (const auto& claim : claim_table) {
+    const std::string path = "verification/" + std::string(claim.id);
+    along_steps(path, "1", "residual of the claim " + std::string(claim.id), Kind::real, true);
+    along_steps(path + "_bound", "1", "its bound", Kind::real, true);
+  }
+
+  layout.texts = provenance(experiment, arms.description.urdf_text, command);
+  return layout;
+}
+
+void push(std::vector<double>& row, std::span<const double> values) { row.insert(row.end(), values.begin(), values.end()); }
+template <class Derived>
+void push(std::vector<double>& row, const Eigen::MatrixBase<Derived>& values) {
+  for (Eigen::Index i = 0; i < values.size(); ++i) row.push_back(values(i));
+}
+
+/// Values on the task rows spread over six, the rest missing.
+Vector6 spread(const VectorX<double>& values, const TaskRows& rows) {
+  Vector6 out = Vector6::Constant(missing);
+  for (std::size_t i = 0; i < rows.size(); ++i) out[rows[i]] = values[static_cast<Eigen::Index>(i)];
+  return out;
+}
+
+}  // namespace
+
+Recording::Recording(const std::filesystem::path& file, const Experiment& experiment, const Arms& arms,
+                     const std::string& command, bool force)
+    : file_(file, make_layout(experiment, arms, command), force) {}
+
+void Recording::output(const Observation& seen, const TaskRows& rows, const RecursiveTerms& terms, double condition) {
+  row_.clear();
+  row_.push_back(seen.t);
+  push(row_, seen.q);
+  push(row_, seen.qd);
+  push(row_, seen.qdd);
+  push(row_, seen.torque);
+  const Command& command = seen.command;
+  tip_quaternion_ = quaternion(command.tip.R, tip_quaternion_);
+  reference_quaternion_ = quaternion(command.reference.pose.R, reference_quaternion_);
+  push(row_, command.tip.p);
+  push(row_, tip_quaternion_);
+  push(row_, command.tip_velocity);
+  push(row_, seen.tip_acceleration);
+  Vector6 u = Vector6::Constant(missing);
+  for (const int i : rows) u[i] = command.u[i];
+  push(row_, u);
+  push(row_, command.error.e);
+  push(row_, command.reference.pose.p);
+  push(row_, reference_quaternion_);
+  push(row_, command.reference.velocity);
+  push(row_, command.reference.acceleration);
+  push(row_, terms.Omega);  // symmetric: row-major or column-major alike
+  Eigen::Matrix<double, 6, 6> Lambda = Eigen::Matrix<double, 6, 6>::Constant(missing);
+  Vector6 c = Vector6::Constant(missing), g = c, F = c;
+  if (terms.Lambda.size() > 0) {
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t j = 0; j < rows.size(); ++j)
+        Lambda(rows[i], rows[j]) = terms.Lambda(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    c = spread(terms.c, rows);
+    g = spread(terms.g, rows);
+    for (const int i : rows) F[i] = command.F[i];
+  }
+  const Eigen::Matrix<double, 6, 6> Lambda_by_rows = Lambda.transpose();
+  push(row_, Lambda_by_rows);
+  push(row_, c);
+  push(row_, g);
+  push(row_, F);
+  row_.push_back(condition);
+  for (const double energy : {seen.kinetic, seen.potential, seen.work, seen.dissipated, seen.external_work})
+    row_.push_back(energy);
+  file_.append("time", row_);
+}
+
+void Recording::step(const Step& step, const Residuals& residuals) {
+  row_.clear();
+  row_.push_back(static_cast<double>(step.number));
+  for (const double value : {step.t, step.h, static_cast<double>(step.order), static_cast<double>(step.rhs_evaluations),
+                             step.local_error, step.error.known ? step.error.position : missing,
+                             step.error.known ? step.error.orientation : missing})
+    row_.push_back(value);
+  for (const Residual& r : residuals) {
+    row_.push_back(r.applies ? r.value : missing);
+    row_.push_back(r.applies ? r.bound : missing);
+  }
+  file_.append("step", row_);
+}
+
+void Recording::finish(const RunResult& result) {
+  std::vector<VerdictRow> rows;
+  for (std::size_t i = 0; i < claim_count; ++i) {
+    const ClaimResult& r = result.claims[i];
+    const bool judged = r.outcome != Outcome::not_applicable;
+    rows.push_back({std::string(claim_table[i].id), std::string(claim_table[i].equation), r.reason,
+                    judged ? r.worst.value : missing, judged ? r.worst.bound : missing, judged ? r.at_time : missing,
+                    static_cast<int>(r.outcome), r.undecided_steps, r.checked_steps});
+  }
+  std::vector<Scalar> scalars{
+      {"timing/simulation", result.times.simulation, "s", "wall time of the integration"},
+      {"timing/shadow", result.times.shadow, "s", "wall time of the shadow run"},
+      {"timing/checking", result.times.checking, "s", "wall time of the checks"},
+      {"timing/recording", result.times.recording, "s", "wall time of recording"},
+      {"global_error/position", result.error.known ? result.error.position : missing, "m", "estimate of the tip position's true error"},
+      {"global_error/orientation", result.error.known ? result.error.orientation : missing, "rad", "estimate of the tip orientation's true error"},
+      {"global_error/energy", result.error.known ? result.error.energy : missing, "J", "estimate of the energies' true error"},
+      {"analytic_response/position", result.analytic ? result.worst_position : missing, "m",
+       "largest distance of the tip from the closed-form solution"},
+      {"analytic_response/orientation", result.analytic ? result.worst_orientation : missing, "rad",
+       "largest angle between the tip and the closed-form solution"},
+  };
+  file_.finish(result.status, result.verdict, rows, scalars);
+}
+
+}  // namespace osculate

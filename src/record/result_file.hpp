@@ -1,0 +1,108 @@
+// Result files: HDF5 that is also valid netCDF-4, written crash-safely in single-writer-multiple-reader mode.
+// Nothing numeric happens here; what the variables mean is decided by the caller's Layout.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace osculate {
+
+/// Input/output failure (exit code 4). The message names file, operation, system reason and remedy.
+struct FileError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A dimension. A fixed one has one label for each element (its scale variable holds them as strings); an
+/// unlimited one has none and is itself a recorded variable (`unit`, `long_name`), for instance /time.
+struct Axis {
+  std::string name;
+  std::vector<std::string> labels;  // fixed axis; empty: unlimited
+  std::string unit;                 // unlimited axis
+  std::string long_name;
+};
+
+enum class Kind { real /* float64 */, integer /* int64 */, small /* int8 */ };
+
+/// One recorded variable. axes[0] is an unlimited axis; the others are fixed.
+struct Variable {
+  std::string path;               // "trajectory/joint_position"
+  std::vector<std::string> axes;  // {"time", "joint"}
+  std::string unit;  // "" where companion unit variables say it, or where it has none ("1" if dimensionless)
+  std::string long_name;
+  Kind kind = Kind::real;
+  bool may_be_missing = false;  // NaN allowed, declared as _FillValue
+};
+
+/// Fixed content: text scalars (provenance), and string lists along a fixed axis (companion units).
+struct Text {
+  std::string path, value, long_name;
+};
+struct StringList {
+  std::string path, axis;
+  std::vector<std::string> values;
+  std::string long_name;
+};
+
+struct Layout {
+  std::string title;
+  std::vector<Axis> axes;
+  std::vector<Variable> variables;
+  std::vector<Text> texts;
+  std::vector<StringList> lists;
+};
+
+/// One row of /verdict, written by `finish`.
+struct VerdictRow {
+  std::string claim, equation, reason;
+  double worst = 0, bound = 0, at_time = 0;  // NaN where it does not exist
+  int result = 0;                            // 1 pass, 0 fail, -1 not applicable
+  long undecided_steps = 0, checked_steps = 0;
+};
+
+/// A scalar written by `finish` (wall times, counts, error estimates).
+struct Scalar {
+  std::string path;
+  double value = 0;
+  std::string unit, long_name;
+};
+
+class ResultFile {
+ public:
+  /// Creates the file. Throws FileError if it exists and `force` is false, or if it cannot be written.
+  ResultFile(const std::filesystem::path& file, const Layout& layout, bool force);
+  ~ResultFile();  // leaves an unfinished file as a killed run would; never throws
+  ResultFile(ResultFile&&) noexcept;
+
+  /// Appends one row along an unlimited axis: the axis value, then the values of every variable on that axis
+  /// in the order of the layout, each row-major. Rows are buffered and written as whole chunks. Constant
+  /// memory. Throws std::invalid_argument, and keeps nothing of the row, if it has the wrong size, NaN where
+  /// nothing may be missing, or a number that an integer variable cannot hold; FileError if it cannot be
+  /// written.
+  void append(const std::string& axis, std::span<const double> row);
+
+  /// Values in one row of `append` along this axis.
+  std::size_t row_size(const std::string& axis) const;
+
+  /// Writes the tail, leaves SWMR mode, reopens, writes /verdict, the scalars and the final root attributes
+  /// (status: complete | failed | interrupted; verdict: pass | fail | as_expected), closes.
+  void finish(const std::string& status, const std::string& verdict, const std::vector<VerdictRow>& rows,
+              const std::vector<Scalar>& scalars);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Copies what a killed run left into a new, finished file (status "recovered"). Empty `out`: next to the
+/// input as NAME.recovered.h5. Returns the path written. The input is not changed. Throws FileError.
+std::filesystem::path recover(const std::filesystem::path& in, const std::filesystem::path& out = {},
+                              bool force = false);
+
+/// "1.10.8" and the like.
+std::string hdf5_version();
+
+}  // namespace osculate

@@ -1,0 +1,108 @@
+// What the verdict claims, and how far each claim is from true at one state: residual and bound.
+//
+// A residual is the largest |x - y| divided by the scale of the terms that were added to form y, never by y alone. Task
+// quantities are weighed by d = sqrt(diag Omega) and joint quantities by s = sqrt(diag M), so that radians and metres,
+// N m and N are never compared. A bound is a measured constant (bounds.hpp) times eps times the condition number that
+// governs the quantity.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "control/law.hpp"
+#include "reference/dense.hpp"
+
+namespace osculate {
+
+enum class Claim {
+  omega,
+  lambda,
+  c,
+  g,
+  c_plus_g,
+  torque,
+  forward_dynamics,
+  linearization,
+  kinematics,
+  null_space,
+  // along the trajectory
+  energy,
+  analytic_response,
+  decoupling,
+};
+inline constexpr std::size_t claim_count = 13;
+
+struct ClaimInfo {
+  std::string_view id, equation, compared_with;
+};
+inline constexpr std::array<ClaimInfo, claim_count> claim_table{{
+    {"omega", "(58), (60)", "J M^-1 J* (11)"},
+    {"lambda", "(61)", "(J M^-1 J*)^-1 (12)"},
+    {"c", "(65)-(68)", "Lambda (J M^-1 C - Jdot qd) (14)"},
+    {"g", "(72)-(74)", "Lambda J M^-1 G (15)"},
+    {"c_plus_g", "section 4.3, corrected", "(14) + (15)"},
+    {"torque", "(4), (39)", "J* Lambda (u + J M^-1 (C + G) - Jdot qd) (16)"},
+    {"forward_dynamics", "(51)", "M^-1 (T - C - G) (6)"},
+    {"linearization", "(5)", "tip acceleration of the plant = u"},
+    {"kinematics", "(7), (8), (41)", "J qd, J qdd + Jdot qd, derivative of the pose"},
+    {"null_space", "(13)", "J M^-1 (T - J* F) = 0"},
+    {"energy", "power balance", "E - E(0) = work - dissipation"},
+    {"analytic_response", "(5) with the error law", "closed-form solution of the commanded linear system"},
+    {"decoupling", "(5) with the error law", "no motion along axes that were not commanded"},
+}};
+constexpr std::size_t index(Claim claim) { return static_cast<std::size_t>(claim); }
+
+/// A bound above this decides nothing: the step is undecided, never passed.
+inline constexpr double undecided_bound = 1e-3;
+
+/// value <= bound is what the claim says at this state.
+struct Residual {
+  double value = 0;
+  double bound = 0;
+  bool applies = true;
+};
+using Residuals = std::array<Residual, claim_count>;  // by Claim; the trajectory claims are left empty by `assess`
+
+/// One state as both sides see it. Joints base to tip; base frame, about the tip point; task quantities on `rows`.
+struct Evidence {
+  // given to both sides
+  TaskRows rows;
+  VectorX<double> qd, u;                   // n; m
+  VectorX<double> T0, net_torque;          // n: null-space torque; torque on the plant without friction
+  Vector6 tip_force = Vector6::Zero();     // on the plant
+  bool controlled = true;                  // false: no task torque is formed (free swing)
+  bool plant_is_model = true;              // false: (5) need not hold
+  double reach = 1;                        // m, sum of the link offsets
+  Vector3<double> gravity = Vector3<double>::Zero();  // m/s^2
+
+  // from the recursions
+  RecursiveTerms recursive;
+  VectorX<double> F, T, qdd;               // m; n: J* F + null space; n: of the plant
+  Vector6 tip_velocity = Vector6::Zero(), tip_acceleration = Vector6::Zero();
+  Pose tip;
+
+  // from the definitions
+  dense::State<double> model, plant;
+  dense::Mobility<double> task;
+  dense::TaskTerms<double> terms;
+  Vector6 pose_rate = Vector6::Zero();     // derivative of the tip pose along qd
+};
+
+/// Fills the dense side from the models' numbers and the state alone. q: n, base to tip. `terms` need full rank.
+void fill_dense_side(Evidence& evidence, const Chain<double>& model, const Chain<double>& plant,
+                     std::span<const double> q, bool full_rank = true);
+
+/// 2-norm condition number of a symmetric positive definite matrix scaled to unit diagonal; infinite if it is not.
+double scaled_condition(const MatrixX<double>& A);
+
+/// Number of singular values of A, scaled to unit diagonal, above 1e-13 times the largest. Rows with a zero diagonal
+/// count as lost.
+int scaled_rank(const MatrixX<double>& A);
+
+/// Difference of the commanded tip force F_c (4) from Lambda u + c + g, as a residual; F is judged through the torque claim.
+double force_residual(const Evidence& evidence);
+
+/// Residual and bound of every claim that can be judged at one state.
+Residuals assess(const Evidence& evidence);
+
+}  // namespace osculate

@@ -1,0 +1,16 @@
+// Both sides of every step claim at one state of a running closed loop.
+#pragma once
+
+#include "simulation/closed_loop.hpp"
+#include "verification/claims.hpp"
+
+namespace osculate {
+
+/// Sum of the distances between consecutive joint origins and the tip, m.
+double reach(const Chain<double>& chain);
+
+/// Evaluates the closed loop at (t, y) by the lines that the right-hand side runs, then the dense side from the models'
+/// numbers and (q, qd) alone.
+Evidence gather(ClosedLoop& loop, double t, std::span<const double> y);
+
+}  // namespace osculate

@@ -1,0 +1,170 @@
+#include "verification/trajectory.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "control/rotation.hpp"
+#include "verification/step_check.hpp"
+
+namespace osculate {
+
+namespace {
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+
+double total_energy(const Observation& seen) { return seen.kinetic + seen.potential; }
+
+}  // namespace
+
+void GlobalError::add(const Observation& run, const Observation& shadow) {
+  known = true;
+  const Pose &a = run.command.tip, &b = shadow.command.tip;
+  position = std::max(position, (a.p - b.p).norm());
+  orientation = std::max(orientation, log_rotation(a.R * b.R.transpose()).norm());
+  energy = std::max(energy, std::abs(total_energy(run) - total_energy(shadow)) + std::abs(run.work - shadow.work) +
+                                std::abs(run.dissipated - shadow.dissipated) +
+                                std::abs(run.external_work - shadow.external_work));
+}
+
+TrajectoryClaims::TrajectoryClaims(const ClosedLoop& loop, const Observation& start)
+    : options_(loop.controller().options()),
+      path_(loop.controller().shared_path()),
+      initial_(loop.controller().initial()),
+      reach_(reach(loop.plant().chain)),
+      joints_(loop.joints()),
+      controlled_(options_.law == Law::operational_space),
+      segment_(start.command.error),
+      energy_start_(total_energy(start)),
+      potential_start_(start.potential) {
+  plant_is_model_ = loop.plant_is_model();
+  double weight = 0;  // N
+  for (const auto& link : loop.plant().chain.links) weight += link.mass * loop.plant().chain.gravity.norm();
+  energy_floor_ = 1e-9 * weight * reach_;
+  for (const int row : options_.rows) controlled_rows_[static_cast<std::size_t>(row)] = true;
+  const int angular = controlled_rows_[0] + controlled_rows_[1] + controlled_rows_[2];
+  angular_ = angular == 0 || angular == 3;
+  const auto commanded = path_->commanded();
+  for (std::size_t i = 0; i < 6; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    uncommanded_[i] =
+        controlled_rows_[i] && !commanded[i] && segment_.e[row] == 0 && segment_.ed[row] == 0;
+  }
+}
+
+std::string TrajectoryClaims::reason(Claim claim) const {
+  if (claim == Claim::energy) return "";
+  if (!controlled_) return "no tip command in a free swing";
+  if (!plant_is_model_) return "plant and model differ on purpose";
+  if (!angular_) return "only part of the rotation is controlled: its rows do not decouple";
+  if (claim == Claim::decoupling && std::none_of(uncommanded_.begin(), uncommanded_.end(), [](bool b) { return b; }))
+    return "every controlled axis is commanded";
+  return "";
+}
+
+PoseError TrajectoryClaims::exact_error(double t) const {
+  PoseError out;
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    const ErrorState s = linear_response(options_.stiffness[i], options_.damping[i], {segment_.e[i], segment_.ed[i]},
+                                         t - segment_start_);
+    out.e[i] = s.e;
+    out.ed[i] = s.ed;
+  }
+  return out;
+}
+
+void TrajectoryClaims::restart_at(double t) {
+  // The tip goes on from where the closed form has it; only the reference may jump.
+  const PoseError exact = exact_error(t);
+  const TipReference before = tip_reference(*path_, initial_, std::nextafter(t, 0.0));
+  const TipReference after = tip_reference(*path_, initial_, t);
+  const Pose tip = exact_tip(before, exact.e);
+  Vector6 velocity = before.velocity - exact.ed;  // linear part: v = v_ref - ed
+  // angular part: delta = omega_ref - E omega, with E = R_ref R^T and delta = J_l(e) ed
+  const Matrix3<double> E = before.pose.R * tip.R.transpose();
+  velocity.head(3) =
+      E.transpose() * (before.velocity.head(3) - left_jacobian(exact.e.head(3)) * exact.ed.head(3));
+  segment_ = pose_error(after, tip, velocity);
+  segment_start_ = t;
+}
+
+Residual TrajectoryClaims::energy(const Observation& seen, const GlobalError& error) {
+  const double supplied = seen.work - seen.dissipated + seen.external_work;
+  const double imbalance = std::abs(total_energy(seen) - energy_start_ - supplied);
+  energy_scale_ = std::max(energy_scale_, seen.kinetic + std::abs(seen.work) + seen.dissipated +
+                                              std::abs(seen.external_work) + std::abs(seen.potential - potential_start_));
+  // Each energy is a sum of n products, rounded relative to its own size, the potential to that of its terms.
+  const double rounding = 16 * (joints_ + 1) * eps * (energy_scale_ + std::abs(seen.potential) + std::abs(energy_start_));
+  const double bound = error_multiple * error.energy + rounding;
+  if (!error.known) return {0, 0, false};
+  ++energy_steps_;
+  widest_bound_ = std::max(widest_bound_, bound);
+  if (energy_steps_ == 1 || !(imbalance * imbalance_bound_ <= imbalance_ * bound)) {
+    imbalance_ = imbalance;
+    imbalance_bound_ = bound;
+    imbalance_time_ = seen.t;
+  }
+  if (energy_scale_ == 0) return {imbalance == 0 ? 0 : std::numeric_limits<double>::infinity(), 0, true};
+  return {imbalance / energy_scale_, bound / energy_scale_, true};
+}
+
+ClaimResult TrajectoryClaims::energy_result() const {
+  ClaimResult out;
+  out.checked_steps = energy_steps_;
+  if (energy_steps_ == 0) {
+    out.reason = "no shadow run: verify.shadow is false";
+    return out;
+  }
+  if (energy_scale_ <= energy_floor_ && imbalance_ <= imbalance_bound_) {
+    out.reason = "the arm rests: it moves no energy to balance";
+    return out;
+  }
+  out.at_time = imbalance_time_;
+  out.worst = {imbalance_ / energy_scale_, imbalance_bound_ / energy_scale_, true};
+  if (!(imbalance_ <= imbalance_bound_)) {
+    out.outcome = Outcome::fail;
+    out.reason = "residual above its bound";
+  } else if (!(widest_bound_ <= undecided_bound * energy_scale_)) {
+    out.outcome = Outcome::fail;
+    out.reason = "undecided: the global error is too large to judge";
+    out.undecided_steps = energy_steps_;
+  } else {
+    out.outcome = Outcome::pass;
+  }
+  return out;
+}
+
+Residual TrajectoryClaims::pose_residual(const Vector6& difference, const std::array<bool, 6>& rows,
+                                         const GlobalError& error) const {
+  double angle = 0, distance = 0;
+  for (std::size_t i = 0; i < 6; ++i) {
+    if (!rows[i]) continue;
+    double& largest = i < 3 ? angle : distance;
+    largest = std::max(largest, std::abs(difference[static_cast<Eigen::Index>(i)]));
+  }
+  const double rounding = 16 * (joints_ + 1) * eps;  // of forward kinematics, relative to 1 rad and to the reach
+  const Residual turned{angle, error_multiple * error.orientation + rounding, error.known};
+  const Residual moved{distance / reach_, error_multiple * error.position / reach_ + rounding, error.known};
+  return turned.value * moved.bound > moved.value * turned.bound ? turned : moved;
+}
+
+Residuals TrajectoryClaims::assess(const Observation& seen, const GlobalError& error) {
+  Residuals out;
+  out.fill({0, 0, false});
+  out[index(Claim::energy)] = energy(seen, error);
+  if (!reason(Claim::analytic_response).empty()) return out;
+  const Vector6 off = seen.command.error.e - exact_error(seen.t).e;
+  out[index(Claim::analytic_response)] = pose_residual(off, controlled_rows_, error);
+  if (controlled_rows_[3] || controlled_rows_[4] || controlled_rows_[5]) {
+    double squares = 0;
+    for (int i = 3; i < 6; ++i)
+      if (controlled_rows_[static_cast<std::size_t>(i)]) squares += off[i] * off[i];
+    worst_position_ = std::max(worst_position_, std::sqrt(squares));
+  }
+  if (controlled_rows_[0]) worst_orientation_ = std::max(worst_orientation_, off.head(3).norm());
+  if (reason(Claim::decoupling).empty())
+    out[index(Claim::decoupling)] = pose_residual(seen.command.error.e, uncommanded_, error);
+  return out;
+}
+
+}  // namespace osculate

@@ -1,0 +1,76 @@
+// Claims about the whole trajectory, bounded by the run's own global error estimate.
+//
+// A local tolerance bounds no global error. The estimate is the largest difference so far between the run and its shadow, the
+// same problem at a hundredth of the tolerances: their errors differ by so much more than the shadow's own that the
+// difference is the run's error. A claim is bounded by `error_multiple` times it, plus rounding.
+#pragma once
+
+#include "simulation/closed_loop.hpp"
+#include "control/linear_response.hpp"
+#include "verification/verdict.hpp"
+
+namespace osculate {
+
+/// Estimate of the run's true error: the largest difference from the shadow so far.
+struct GlobalError {
+  double position = 0;     // m, tip point
+  double orientation = 0;  // rad, tip
+  double energy = 0;       // J, sum over kinetic + potential, work, dissipated and external work
+  bool known = false;      // false without a shadow run
+
+  void add(const Observation& run, const Observation& shadow);
+};
+
+/// Multiple of the estimate that bounds a claim. The estimate misses the shadow's own error (a few per cent) and is a
+/// difference at accepted steps only.
+inline constexpr double error_multiple = 4;
+
+class TrajectoryClaims {
+ public:
+  /// `start` is the observation at t = 0; reach in m.
+  TrajectoryClaims(const ClosedLoop& loop, const Observation& start);
+
+  /// Residuals of energy, analytic_response and decoupling at this instant, the others left empty. The energy residual
+  /// is relative to the energies moved so far; energy_result() judges it against those of the whole run.
+  Residuals assess(const Observation& seen, const GlobalError& error);
+
+  /// Call at a time where the reference jumps, before the next assess: the closed-form solution goes on from there.
+  void restart_at(double t);
+
+  /// The energy claim over the run so far.
+  ClaimResult energy_result() const;
+
+  /// Why a claim does not apply, or "".
+  std::string reason(Claim claim) const;
+
+  /// Largest distance of the tip from the closed-form solution so far: m, rad.
+  double worst_position() const { return worst_position_; }
+  double worst_orientation() const { return worst_orientation_; }
+
+ private:
+  /// Error that the closed-form solution has at time t.
+  PoseError exact_error(double t) const;
+  Residual energy(const Observation& seen, const GlobalError& error);
+  /// Largest |difference| of the given rows against the global error, angular and linear apart.
+  Residual pose_residual(const Vector6& difference, const std::array<bool, 6>& rows, const GlobalError& error) const;
+
+  LawOptions options_;
+  std::shared_ptr<const Path> path_;
+  Pose initial_;
+  double reach_ = 1;
+  int joints_ = 1;
+  bool controlled_ = true, plant_is_model_ = true, angular_ = true;
+  std::array<bool, 6> controlled_rows_{}, uncommanded_{};
+  double segment_start_ = 0;
+  PoseError segment_;
+  double energy_start_ = 0, potential_start_ = 0;  // J
+  double energy_scale_ = 0;                        // J, largest energy moved so far
+  double energy_floor_ = 0;                        // J, energies below this are those of an arm at rest
+  double imbalance_ = 0, imbalance_bound_ = 0;     // J, at the instant with the largest ratio
+  double imbalance_time_ = 0;                      // s
+  double widest_bound_ = 0;                        // J
+  long energy_steps_ = 0;
+  double worst_position_ = 0, worst_orientation_ = 0;
+};
+
+}  // namespace osculate

@@ -1,0 +1,150 @@
+// Experiments out as YAML and in again, bit for bit.
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <random>
+#include <sstream>
+
+#include "experiment/config_support.hpp"
+#include "support/catch.hpp"
+
+using namespace osculate;
+
+namespace {
+
+using Bits = std::vector<std::uint64_t>;
+void add(Bits& bits, double x) { bits.push_back(std::bit_cast<std::uint64_t>(x)); }
+template <class Numbers>
+void add_all(Bits& bits, const Numbers& x) {
+  bits.push_back(static_cast<std::uint64_t>(x.size()));
+  for (const double value : x) add(bits, value);
+}
+void add_friction(Bits& bits, const std::vector<JointFriction>& joints) {
+  bits.push_back(joints.size());
+  for (const auto& f : joints)
+    add_all(bits, std::array{f.viscous, f.coulomb_positive, f.coulomb_negative, f.v_s});
+}
+struct AddReference {
+  Bits& bits;
+  void operator()(const HoldOptions&) const {}
+  void operator()(const StepOptions& o) const { add_all(bits, o.offset), add(bits, o.at); }
+  void operator()(const LineOptions& o) const {
+    add_all(bits, o.offset), add(bits, o.start), add(bits, o.duration);
+  }
+  void operator()(const CircleOptions& o) const { add(bits, o.radius), add(bits, o.period); }
+  void operator()(const LissajousOptions& o) const {
+    add_all(bits, o.amplitude), add_all(bits, o.period), add_all(bits, o.phase);
+  }
+  void operator()(const WaypointsOptions&) const {}
+};
+
+/// Every number of an experiment, bit for bit.
+Bits bits_of(const Experiment& e) {
+  Bits bits;
+  add_all(bits, e.model.choice.gravity);
+  add_all(bits, e.model.armature);
+  add_friction(bits, e.model.friction);
+  add(bits, e.plant.payload.mass);
+  add_all(bits, e.plant.payload.com);
+  add_all(bits, e.plant.payload.inertia.reshaped());
+  bits.push_back(e.plant.armature.has_value());
+  if (e.plant.armature) add_all(bits, *e.plant.armature);
+  bits.push_back(e.plant.friction.has_value());
+  if (e.plant.friction) add_friction(bits, *e.plant.friction);
+  add(bits, e.plant.mass_scale);
+  add_all(bits, e.plant.tip_force);
+  add_all(bits, e.q);
+  add_all(bits, e.qd);
+  bits.push_back(e.reference.index());
+  std::visit(AddReference{bits}, e.reference);
+  add_all(bits, e.controller.stiffness);
+  add_all(bits, e.controller.damping);
+  add(bits, e.controller.null_space_damping);
+  add_all(bits, std::array{e.integrator.rtol, e.integrator.atol_position, e.integrator.atol_velocity,
+                           e.integrator.max_step, e.duration, e.output.interval});
+  for (const long x : {e.integrator.max_steps, e.verify.every, e.verify.record_every})
+    bits.push_back(static_cast<std::uint64_t>(x));
+  return bits;
+}
+/// Everything that is no number.
+std::string words_of(const Experiment& e) {
+  std::ostringstream out;
+  out << e.name << '|' << e.model.urdf << '|' << e.model.choice.base << '|' << e.model.choice.tip << '|'
+      << static_cast<int>(e.model.choice.side_branches) << static_cast<int>(e.controller.law)
+      << static_cast<int>(e.integrator.method) << static_cast<int>(e.verify.record) << e.verify.shadow
+      << e.controller.compensate_friction << '|' << e.expect.stop << '|';
+  for (const auto& id : e.expect.fails) out << id << ',';
+  for (const int row : e.controller.rows) out << row << ',';
+  if (const auto* circle = std::get_if<CircleOptions>(&e.reference)) out << circle->plane;
+  if (const auto* points = std::get_if<WaypointsOptions>(&e.reference)) out << points->file;
+  return out.str();
+}
+
+}  // namespace
+
+TEST_CASE("what to_yaml writes is read back bit for bit") {
+  const auto reference =
+      GENERATE(as<std::string>{}, "{type: hold}", "{type: step, offset: [.1, 0, 0, 0, -0.0, 1e-3], at: 0.7}",
+               "{type: line, offset: [0, 0, 0, 0.1, 0.2, 0.3], start: 0.1, duration: 0.3}",
+               "{type: circle, radius: 0.3333333333333333, period: 1e-3, plane: zx}",
+               "{type: lissajous, amplitude: [0, 0, 0, 0.1, 0.7, 0], period: [1, 2, 3, 4, 5, 6], phase: 0.1}",
+               "{type: waypoints, file: 'path \"of\" \\ points.csv'}");
+  const auto seed = GENERATE(range(1u, 6u));
+  INFO(reference << ", seed " << seed);
+  auto e = parse_with("reference: " + reference);
+  // Numbers of all sizes, the smallest subnormal and the largest double among them.
+  std::mt19937_64 random(seed);
+  const auto positive = [&] {
+    const double edges[] = {5e-324, std::numeric_limits<double>::max(), 0.1, 1e22, 2.2250738585072014e-308};
+    if (random() % 8 == 0) return edges[random() % 5];
+    return std::ldexp(1 + static_cast<double>(random() >> 12) * 0x1p-52,
+                      static_cast<int>(random() % 600) - 300);
+  };
+  const auto any = [&] { return random() % 2 == 0 ? positive() : random() % 5 == 0 ? -0.0 : -positive(); };
+  e.name = seed == 1 ? "a \"b\" \\ \x01 # \u00e9: {[" : "1e5";
+  e.model.choice.base = seed % 2 == 0 ? "null" : "";
+  for (auto& x : e.q) x = any();
+  for (auto& x : e.qd) x = any();
+  for (int i = 0; i < 3; ++i) e.model.choice.gravity[i] = any();
+  e.model.armature = {positive(), positive()};
+  for (int i = 0; i < 3; ++i) e.model.friction.push_back({positive(), positive(), positive(), positive()});
+  e.plant.payload.inertia.diagonal() << positive(), positive(), positive();
+  e.plant.payload.mass = positive();
+  if (seed % 2 == 0) e.plant.armature = std::vector<double>{};
+  if (seed % 3 == 0) e.plant.armature = std::vector<double>{positive()};
+  if (seed % 3 == 1) e.plant.friction = std::vector<JointFriction>{};
+  if (seed % 3 == 2)
+    e.plant.friction = std::vector<JointFriction>{{positive(), positive(), positive(), positive()}};
+  e.plant.mass_scale = positive();
+  for (int i = 0; i < 6; ++i) {
+    e.plant.tip_force[i] = any();
+    e.controller.stiffness[i] = positive();
+    e.controller.damping[i] = positive();
+  }
+  e.controller.rows = {5, 3, 0};
+  e.controller.law = seed % 2 == 0 ? Law::free : Law::operational_space;
+  e.controller.compensate_friction = seed % 2 == 0;
+  e.integrator = {Method::bdf, 1.0 / 3, positive(), positive(), positive(), 12345};
+  e.verify.every = 3;
+  e.verify.record = seed % 2 == 0 ? VerifyConfig::Record::worst : VerifyConfig::Record::every;
+  e.verify.record_every = seed % 2 == 0 ? 1 : 9;
+  e.verify.shadow = seed % 2 == 0;
+  e.output.interval = 0.1 + 0.2;
+  e.expect = {"too_many_steps", {"g", "null_space"}};
+  const auto text = to_yaml(e);
+  INFO(text);
+  const auto back = parse_experiment(text, "somewhere/else.yaml", "/another/place");
+  CHECK(words_of(back) == words_of(e));
+  CHECK(bits_of(back) == bits_of(e));
+  CHECK(to_yaml(back) == text);
+}
+
+TEST_CASE("the defaults are written out") {
+  const auto e = parse(Lines{}.text());
+  const auto text = to_yaml(e);
+  for (const auto* line : {"  gravity: [0, 0, -9.80665]\n", "  rtol: 1.0e-10\n", "  max_steps: 50000000\n",
+                           "  rows: [wx, wy, wz, vx, vy, vz]\n", "  urdf: \"/arms/lab/arm.urdf\"\n"})
+    CHECK(text.find(line) != std::string::npos);
+  CHECK(words_of(parse(text)) == words_of(e));
+  CHECK(bits_of(parse(text)) == bits_of(e));
+}
