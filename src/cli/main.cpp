@@ -126,7 +126,7 @@ int main(int argc, char** argv) {
 
   RunArguments arguments;
   const auto common = [&arguments](CLI::App* sub) {
-    sub->add_option("--set", arguments.sets, "override a key: key.path=value")->expected(1);
+    sub->add_option("--set", arguments.sets, "override a key: key.path=value")->allow_extra_args(false);
     sub->add_flag("--quiet", arguments.quiet, "no progress line");
   };
   CLI::App* run_command = app.add_subcommand("run", "run an experiment and record it");

@@ -33,7 +33,7 @@ constexpr double smallest_rtol = 1e-14;   // below this CVODE's own rounding gov
 constexpr double default_max_step = 0.1;  // s: a resting arm does not step across a short change of its reference
 
 /// Condition numbers above this with a shrinking step mean that the arm ran into a singularity.
-constexpr double singular_condition = 1e10;
+constexpr double singular_condition = 1e6;
 
 std::string stop_name(Reason reason) {
   switch (reason) {

@@ -61,21 +61,27 @@ struct Scales {
   }
 };
 
+/// Sizes of the motions that joint rates (or accelerations) x add up to at the tip: angular, and linear with every lever
+/// as long as the reach, because the sum goes through the joints in between.
+std::pair<double, double> sizes(const Evidence& e, const Vector& x) {
+  const Vector sum = e.plant.tip.J.cwiseAbs() * x.cwiseAbs();
+  const double angular = sum.head(3).maxCoeff();
+  return {angular, sum.tail(3).maxCoeff() + angular * e.reach};
+}
+
 Residual kinematics(const Evidence& e) {
   const auto& tip = e.plant.tip;
-  const Vector speed = tip.J.cwiseAbs() * e.qd.cwiseAbs();
-  const Vector push = tip.J.cwiseAbs() * e.qdd.cwiseAbs();
-  const Vector6 expected = tip.J * e.qdd + tip.Jdot_qd;
-  const double spin = speed.head(3).maxCoeff(), pace = speed.tail(3).maxCoeff();
+  const auto [spin, pace] = sizes(e, e.qd);
+  const auto [turn, push] = sizes(e, e.qdd);
   double worst = ratio((e.tip.R - tip.R).cwiseAbs().maxCoeff(), 1.0);
   worst = std::max(worst, ratio((e.tip.p - tip.p).cwiseAbs().maxCoeff(), e.reach));
   for (const Vector6& V : {e.tip_velocity, e.pose_rate}) {
     worst = std::max(worst, ratio((V - tip.tip_velocity).head(3).cwiseAbs().maxCoeff(), spin));
     worst = std::max(worst, ratio((V - tip.tip_velocity).tail(3).cwiseAbs().maxCoeff(), pace));
   }
-  const Vector6 off = (e.tip_acceleration - expected).cwiseAbs();
-  worst = std::max(worst, ratio(off.head(3).maxCoeff(), push.head(3).maxCoeff() + spin * spin));
-  worst = std::max(worst, ratio(off.tail(3).maxCoeff(), push.tail(3).maxCoeff() + spin * pace + e.gravity.norm()));
+  const Vector6 off = (e.tip_acceleration - (tip.J * e.qdd + tip.Jdot_qd)).cwiseAbs();
+  worst = std::max(worst, ratio(off.head(3).maxCoeff(), turn + spin * spin));
+  worst = std::max(worst, ratio(off.tail(3).maxCoeff(), push + spin * pace + e.gravity.norm()));
   return bounded(Claim::kinematics, worst, 1);
 }
 

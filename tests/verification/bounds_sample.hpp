@@ -4,6 +4,7 @@
 
 #include "support/random_arm.hpp"
 #include "control/rotation.hpp"
+#include "simulation/cvode.hpp"
 #include "verification/step_check.hpp"
 
 namespace osculate::testing {

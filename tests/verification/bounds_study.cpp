@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
     Residuals residuals;
     try {
       residuals = assess(testing::sample_state(seed));
-    } catch (const SingularTask&) {
+    } catch (const IntegrationStopped&) {
       ++singular;
       continue;
     }

@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+"""Makes all figures of a result file: plot.py FILE.h5 [-o DIR] [--only NAME...] [--format png|pdf|svg...]
+
+Exit codes: 0 made, 2 bad input (no result file, unknown figure), 4 the output cannot be written.
+"""
+import argparse
+import sys
+from pathlib import Path
+
+from figures import FIGURES
+from result import NotAResult, Result
+
+# No dates: the same data make the same file.
+METADATA = {"pdf": {"CreationDate": None}, "svg": {"Date": None}, "png": {}}
+
+
+def read_arguments(arguments):
+    parser = argparse.ArgumentParser(prog="plot.py", description="Make the figures of a result file of osculate.")
+    parser.add_argument("file", nargs="?", metavar="FILE.h5", help="result file")
+    parser.add_argument("-o", "--output", metavar="DIR", help="directory for the figures (default: FILE_figures)")
+    parser.add_argument("--only", nargs="+", action="extend", choices=FIGURES, metavar="NAME", help="make only these figures")
+    parser.add_argument("--format", nargs="+", action="extend", choices=METADATA, help="kinds of file (default: png pdf)")
+    parser.add_argument("--list", action="store_true", help="print the names of the figures")
+    options = parser.parse_args(arguments)
+    if options.file is None and not options.list:
+        parser.error("give a result file (FILE.h5 before --only or --format), or --list")
+    return options
+
+
+def make(result, directory, names, formats):
+    """Writes the named figures into `directory`. Yields each path written. Raises OSError."""
+    directory.mkdir(parents=True, exist_ok=True)
+    for name in names:
+        figure = FIGURES[name](result)
+        for kind in formats:
+            path = directory / f"{name}.{kind}"
+            figure.savefig(path, metadata=METADATA[kind])
+            yield path
+
+
+def main(arguments=None):
+    options = read_arguments(arguments)
+    if options.list:
+        print("\n".join(FIGURES))
+        return 0
+    source = Path(options.file)
+    directory = Path(options.output) if options.output else source.with_name(source.stem + "_figures")
+    try:
+        with Result(source) as result:
+            for path in make(result, directory, options.only or FIGURES, options.format or ["png", "pdf"]):
+                print(path)
+    except NotAResult as error:
+        print(f"plot.py: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"plot.py: {directory}: cannot write the figures ({error.strerror or error}). Choose another place with -o.", file=sys.stderr)
+        return 4
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,78 @@
+"""Arrows point one way: no file includes a header of a layer that its own layer must not see, and third parties stay
+behind their fences."""
+import pathlib
+import re
+import sys
+import unittest
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2] / "src"
+
+# What each layer may include, besides itself.
+SEES = {
+    "scalar": set(),
+    "spatial": {"scalar"},
+    "model": {"scalar"},
+    "recursion": {"scalar", "spatial", "model"},
+    "reference": {"scalar", "model"},
+    "control": {"scalar", "spatial", "model", "recursion"},
+    "simulation": {"scalar", "spatial", "model", "recursion", "control"},
+    "verification": {"scalar", "spatial", "model", "recursion", "reference", "control", "simulation"},
+    "record": set(),
+    "experiment": {"scalar", "model", "recursion", "control", "simulation", "verification", "record", "spatial"},
+    "cli": {"scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment"},
+}
+# The dense side must not see fault.hpp either: a seeded fault may change no bit of it.
+FORBIDDEN_FILES = {"reference": {"scalar/fault.hpp"}, "model": {"scalar/fault.hpp"}}
+FENCES = {
+    r"(cvode|sundials|nvector|sunlinsol|sunmatrix|sunnonlinsol)[/_]": {"simulation/cvode.cpp"},
+    r"(hdf5|H5)": {"record"},
+    r"(urdf_|urdf/|console_bridge)": {"model/urdf.cpp"},
+    r"yaml-cpp": {"experiment/yaml_parse.cpp"},
+    r"CLI/": {"cli/main.cpp"},
+    r"boost/": {"scalar/rational.hpp"},
+}
+
+
+def includes(text):
+    return re.findall(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', text, re.MULTILINE)
+
+
+def faults_of(layer, name, text):
+    """Each include of `text`, a file of `layer` called `name`, that breaks a rule."""
+    out = []
+    for bracket, target in includes(text):
+        if bracket == '"':
+            other = target.split("/")[0]
+            if other not in SEES:
+                out.append(f"{name}: {target} belongs to no layer")
+            elif other != layer and other not in SEES[layer]:
+                out.append(f"{name}: {layer} must not see {target}")
+            elif target in FORBIDDEN_FILES.get(layer, ()):
+                out.append(f"{name}: {layer} must not see {target}")
+        for pattern, allowed in FENCES.items():
+            if bracket == "<" and re.match(pattern, target) and not ({name, layer} & allowed):
+                out.append(f"{name}: {target} is fenced in {sorted(allowed)}")
+    return out
+
+
+class Layers(unittest.TestCase):
+    def test_every_include_points_down(self):
+        files = [p for p in SOURCE.glob("*/*") if p.suffix in (".hpp", ".cpp")]
+        self.assertGreater(len(files), 40)
+        wrong = []
+        for path in files:
+            name = f"{path.parent.name}/{path.name}"
+            wrong += faults_of(path.parent.name, name, path.read_text())
+        self.assertEqual(wrong, [])
+
+    def test_the_check_can_fail(self):
+        self.assertTrue(faults_of("spatial", "spatial/map.hpp", '#include "recursion/sweeps.hpp"\n'))
+        self.assertTrue(faults_of("reference", "reference/dense.hpp", '#include "spatial/map.hpp"\n'))
+        self.assertTrue(faults_of("reference", "reference/dense.hpp", '#include "scalar/fault.hpp"\n'))
+        self.assertTrue(faults_of("control", "control/law.cpp", "#include <cvode/cvode.h>\n"))
+        self.assertTrue(faults_of("cli", "cli/main.cpp", "#include <hdf5.h>\n"))
+        self.assertEqual(faults_of("simulation", "simulation/cvode.cpp", "#include <cvode/cvode.h>\n"), [])
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main(verbosity=1))
