@@ -24,8 +24,8 @@ def joints(result):
     count = max(len(result.labels(path)) for _, path, _, _ in columns)
     blocks = math.ceil(count / JOINT_ROWS)
     rows = math.ceil(count / blocks)
-    figure = style.new_figure(result, "joint motion", (3.4 * 3 * blocks if blocks == 1 else 2.9 * 3 * blocks, 1.1 + 1.25 * rows))
-    grid = figure.add_gridspec(rows, 3 * blocks)
+    panel = (2.7, 1.15) if blocks == 1 else (2.0, 1.15)
+    figure, grid = style.new_grid(result, "joint motion", (rows, 3 * blocks), panel, gap=(1.05, 0.2))
     for column, (quantity, path, unit_path, colour) in enumerate(columns):
         values, names, units = result.read(path), result.labels(path), result.read(unit_path)
         shared = None
@@ -35,6 +35,7 @@ def joints(result):
             shared = shared or axes
             axes.plot(time, values[:, joint], color=colour, marker=style.marker_for(time))
             axes.set_ylabel(f"{short(name)}\n[{style.unit_text(unit)}]")
+            axes.yaxis.set_label_coords(-0.58 / panel[0], 0.5)
             axes.locator_params(axis="y", nbins=4)
             if row == 0:
                 force = quantity == "torque" and any("m" not in u.split() for u in units)
@@ -42,7 +43,6 @@ def joints(result):
             last = row == rows - 1 or joint == len(names) - 1
             axes.tick_params(labelbottom=last)
             style.time_axis(axes, time, text=last)
-    figure.align_ylabels()
     return figure
 
 
@@ -83,13 +83,16 @@ def tip(result):
         axes.locator_params(nbins=5)
     axes = left.add_subplot(grid[0, 1], projection="3d")
     _path(axes, (0, 1, 2), position, reference)
-    axes.set(xlim=limits[0], ylim=limits[1], zlim=limits[2], box_aspect=(1, 1, 1))
+    axes.set(xlim=limits[0], ylim=limits[1], zlim=limits[2])
+    axes.set_box_aspect((1, 1, 1), zoom=0.84)
     axes.locator_params(nbins=3)
     axes.tick_params(labelsize=7, pad=-1)
     for axis, name in zip((axes.xaxis, axes.yaxis, axes.zaxis), names):
         axis.set_label_text(label(name, unit))
+        axis.labelpad = -3
     handles, texts = left.axes[0].get_legend_handles_labels()
-    left.legend(handles, texts, loc="upper left", ncol=3)
+    left.suptitle(" ", fontsize=9)  # room for the legend
+    left.legend(handles, texts, loc="upper center", ncol=3)
 
     error, error_unit = result.read("trajectory/pose_error"), result.read("spatial_error_unit")
     controlled = np.array([name in result.task_rows for name in result.labels("trajectory/pose_error")])
@@ -127,6 +130,8 @@ def energy(result):
         ("external_work", "work of the tip force", PURPLE, ":"),
     )
     for name, text, colour, line in drawn:
+        if name == "external_work" and not parts[name].any():
+            continue
         values = parts[name] - parts[name][:1] if name == "potential" else parts[name]
         top.plot(time, values, line, color=colour, label=text, marker=style.marker_for(time))
     top.set_ylabel(label("energy", unit))
@@ -152,7 +157,7 @@ def energy(result):
         draw_residual(bottom, steps, claim)
         style.legend_above(bottom, 4)
     bottom.set_ylabel(label("relative imbalance", "1"))
-    style.time_axis(bottom, time)
+    style.time_axis(bottom, np.sort(np.concatenate([time, steps])))  # a stopped run ends between two recorded instants
     return figure
 
 
@@ -161,13 +166,14 @@ def draw_residual(axes, steps, claim):
     decided = claim.judged & ~claim.undecided
     axes.plot(steps, style.positive(claim.values), color=BLUE, label="residual", marker=style.marker_for(steps))
     axes.plot(steps, style.positive(claim.bounds), "--", color=BLACK, label="bound", marker=style.marker_for(steps))
-    style.logarithmic(axes, claim.values[decided], claim.bounds[decided], decades=12)
+    values, bounds = np.where(decided, claim.values, np.nan), np.where(decided, claim.bounds, np.nan)
+    style.logarithmic(axes, values, bounds, times=steps, decades=20)
     if claim.failing.any():
         axes.plot(steps[claim.failing], claim.values[claim.failing], "x", color=VERMILION, markersize=4, rasterized=True, label="failing")
     if claim.undecided.any():  # their bounds may be huge: marked along the upper edge
         edge = axes.get_xaxis_transform()
-        axes.plot(steps[claim.undecided], np.full(claim.undecided.sum(), 0.97), "v", color=PURPLE, markersize=5,
-                  transform=edge, rasterized=True, label="undecided")
+        axes.plot(steps[claim.undecided], np.ones(claim.undecided.sum()), "v", color=PURPLE, markersize=5,
+                  transform=edge, clip_on=False, rasterized=True, label="undecided")
 
 
 def condition(result):
@@ -177,11 +183,12 @@ def condition(result):
     figure = style.new_figure(result, "condition and Coriolis share", (8.5, 6))
     top, bottom = figure.subplots(2, 1, sharex=True)
     top.plot(time, style.positive(number), color=BLUE, marker=style.marker_for(time))
-    top.set_ylabel(label("cond(Omega)", result.unit("operational_space/cond_Omega")))
+    top.set_ylabel(label("cond(Ω)", result.unit("operational_space/cond_Omega")))
     style.logarithmic(top, number)
     lost = ~np.isfinite(number)
     if lost.any():
-        top.plot(time[lost], np.full(lost.sum(), 0.97), "v", color=VERMILION, transform=top.get_xaxis_transform(), label="rank lost")
+        top.plot(time[lost], np.ones(lost.sum()), "v", color=VERMILION, transform=top.get_xaxis_transform(),
+                 clip_on=False, rasterized=True, label="rank lost")
         style.legend_above(top)
 
     coriolis, force = result.read("operational_space/c"), result.read("operational_space/F")
@@ -194,7 +201,7 @@ def condition(result):
                         marker=style.marker_for(time))
             ratios.append(ratio)
     bottom.set_ylabel(label("|c| / |F|", "1"))
-    style.logarithmic(bottom, *ratios, decades=8)
+    style.logarithmic(bottom, *ratios, times=time, decades=8, absent="no tip force was commanded" if len(time) else "no data")
     if ratios and bottom.get_legend_handles_labels()[0]:
         style.legend_above(bottom)
     style.time_axis(bottom, time)

@@ -16,8 +16,10 @@ def residuals(result):
     absent = [claim.claim for claim in claims if not claim.judged.any()]
     columns = min(3, max(1, len(shown)))
     rows = max(1, math.ceil(len(shown) / columns))
-    figure = style.new_figure(result, "residual of each claim against its bound", (max(7.0, 4.0 * columns), 1.7 + 1.9 * rows))
-    panels = figure.subplots(rows, columns, squeeze=False, sharex=True).ravel()
+    reasons = _why_absent(absent, verdicts)
+    figure, grid = style.new_grid(result, "residual of each claim against its bound", (rows, columns),
+                                  (max(3.2, 6 / columns), 1.45), gap=(0.85, 0.38), footer=0.25 + 0.17 * len(reasons))
+    panels = grid.subplots(squeeze=False, sharex=True).ravel()
     handles = {}
     for axes, claim in zip(panels, shown):
         draw_residual(axes, steps, claim)
@@ -37,8 +39,7 @@ def residuals(result):
     if handles:
         order = [text for text in ("residual", "bound", "failing", "undecided") if text in handles]
         figure.legend([handles[text] for text in order], order, loc="upper right", ncol=2)
-    if absent and shown:
-        figure.supxlabel("\n".join(_why_absent(absent, verdicts)), fontsize=8, color=GREY)
+    figure.supxlabel("\n".join(reasons), fontsize=8, color=GREY, y=0.1 / figure.get_size_inches()[1])
     return figure
 
 
@@ -47,6 +48,8 @@ def _headline(name, verdict):
         return name
     if verdict.result == -1:
         return f"{name}: not applicable"
+    if verdict.result == 0 and verdict.undecided_steps and verdict.worst <= verdict.bound:
+        return f"{name}: FAIL, {verdict.undecided_steps} steps undecided"
     return f"{name}: {verdict.word}, worst {verdict.worst:.1e} of {verdict.bound:.1e}"
 
 
@@ -71,16 +74,17 @@ def solver(result):
     dot = style.marker_for(steps)
     top.plot(steps, style.positive(size), color=BLUE, marker=dot)
     top.set_ylabel(label("step size", result.unit("solver/step_size")))
-    style.logarithmic(top, size)
+    style.logarithmic(top, size, times=steps)
     middle.plot(steps, order, color=GREEN, drawstyle="steps-pre", marker=dot)
     middle.set_ylabel(label("order of the method", result.unit("solver/order")))
     middle.set_ylim(0, max(5, *order, 0) + 0.5 if len(order) else 5.5)
     middle.yaxis.get_major_locator().set_params(integer=True)
     bottom.plot(steps, style.positive(error), color=ORANGE, marker=dot, linewidth=0.7)
     bottom.set_ylabel(label("local error / tolerance", result.unit("solver/local_error")))
-    style.logarithmic(bottom, error, decades=8)
+    style.logarithmic(bottom, error, times=steps, decades=8)
     if len(steps):
-        bottom.axhline(1, color=BLACK, linestyle="--", linewidth=0.9)
+        bottom.axhline(1, color=BLACK, linestyle="--", linewidth=0.9, label="tolerance of a state")
+        style.legend_above(bottom)
     style.time_axis(bottom, steps)
     return figure
 
@@ -104,7 +108,7 @@ def global_error(result):
         if distance > 0:
             axes.axhline(distance, color=VERMILION, linestyle="--", label="largest distance from the closed-form solution")
             shown.append([distance])
-        style.logarithmic(axes, *shown, decades=10)
+        style.logarithmic(axes, *shown, times=steps, decades=10)
         style.legend_above(axes, 2)
     style.time_axis(panels[0], steps, text=False)
     style.time_axis(panels[1], steps)

@@ -32,6 +32,8 @@ def make(result, directory, names, formats):
     directory.mkdir(parents=True, exist_ok=True)
     for name in names:
         figure = FIGURES[name](result)
+        figure.draw_without_rendering()  # lays it out, once for all formats
+        figure.set_layout_engine("none")
         for kind in formats:
             path = directory / f"{name}.{kind}"
             figure.savefig(path, metadata=METADATA[kind])

@@ -3,7 +3,7 @@ import matplotlib
 import mpl_toolkits.mplot3d  # noqa: F401  registers the 3D projection
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter, NullLocator, StrMethodFormatter
 
 # M. Okabe and K. Ito, "Color Universal Design", 2008: distinct for all common kinds of colour vision.
 BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
@@ -46,7 +46,9 @@ def label(quantity, unit):
 def outcome(result):
     """What became of the run, in words."""
     verdict = {None: "no verdict", "as_expected": "verdict as expected"}.get(result.verdict, f"verdict {result.verdict}")
-    return verdict if result.status == "complete" else f"run {result.status}, {verdict}"
+    if result.status == "complete":
+        return verdict
+    return f"{'unfinished run' if result.status == 'running' else 'run ' + result.status}, {verdict}"
 
 
 def new_figure(result, what, size):
@@ -54,6 +56,25 @@ def new_figure(result, what, size):
     figure = Figure(figsize=size, layout="constrained")
     figure.suptitle(f"{result.title}: {what}\n{outcome(result)}", fontsize=11)
     return figure
+
+
+def new_grid(result, what, shape, panel, gap, footer=0.0):
+    """A figure with a grid of rows x columns = `shape` for panels of equal size, laid out by numbers: quick for many panels.
+
+    `panel`: width, height; `gap`: space left of and below each panel for its labels; `footer`: space below all. In inches.
+    Returns the figure and its GridSpec.
+    """
+    rows, columns = shape
+    head, right, last = 0.85, 0.2, 0.25
+    width = columns * (panel[0] + gap[0]) + right
+    height = head + rows * (panel[1] + gap[1]) + last + footer
+    figure = Figure(figsize=(width, height))
+    figure.suptitle(f"{result.title}: {what}\n{outcome(result)}", fontsize=11, y=1 - 0.08 / height, va="top")
+    grid = figure.add_gridspec(
+        rows, columns, left=gap[0] / width, right=1 - right / width, top=1 - head / height,
+        bottom=(gap[1] + last + footer) / height, wspace=gap[0] / panel[0], hspace=gap[1] / panel[1],
+    )
+    return figure, grid
 
 
 def legend_above(axes, columns=4):
@@ -78,22 +99,36 @@ def positive(values):
         return np.where(values > 0, values, np.nan)
 
 
-def logarithmic(axes, *shown, decades=None):
-    """Scales y for the positive, finite numbers of the arrays `shown`; the lowest of more than `decades` decades are cut
-    off. Says so in the panel if there is nothing to show."""
-    values = np.concatenate([np.ravel(np.asarray(x, dtype=float)) for x in shown] or [np.empty(0)])
-    known = values[~np.isnan(values)]
-    values = known[np.isfinite(known) & (known > 0)]
-    if values.size == 0:
+def logarithmic(axes, *shown, times=None, decades=None, absent="no data"):
+    """Scales y for the positive, finite numbers of the arrays `shown`. If there are none the panel says so: `absent`.
+
+    What lies low may leave the panel below: what is lower than `decades` decades, and arrays along `times` during the
+    first hundredth of the run, where an integrator starts with tiny steps and errors.
+    """
+    arrays = [np.ravel(np.asarray(array, dtype=float)) for array in shown]
+    known = np.concatenate([array[~np.isnan(array)] for array in arrays] or [np.empty(0)])
+    drawable = known[np.isfinite(known) & (known > 0)]
+    if drawable.size == 0:
         axes.set_yticks([])
-        note(axes, "exactly 0 throughout" if known.size else "no data")
+        note(axes, "exactly 0 throughout" if known.size else absent)
         return
-    low, high = values.min(), values.max()
+    high, low = drawable.max(), drawable.min()
+    if times is not None and len(times):
+        late = times > times[0] + 0.01 * (times[-1] - times[0])
+        settled = np.concatenate([array[late] if len(array) == len(times) else array for array in arrays])
+        low = np.min(settled, where=np.isfinite(settled) & (settled > 0), initial=high)
     if decades is not None:
         low = max(low, high * 10.0**-decades)
     axes.set_yscale("log")
-    axes.set_ylim(low / 2, high * 3)
-    axes.yaxis.set_major_locator(LogLocator(numticks=7))
+    if high / low < 30:
+        axes.set_ylim(low / 1.3, high * 1.3)
+        axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
+        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:.3g}"))
+    else:
+        axes.set_ylim(low / 2, high * 2)
+        decade = np.arange(np.ceil(np.log10(low / 2)), np.floor(np.log10(high * 2)) + 1)
+        axes.yaxis.set_major_locator(FixedLocator(10.0 ** decade[:: len(decade) // 7 + 1]))
+        axes.yaxis.set_minor_locator(LogLocator(subs=range(2, 10)) if len(decade) < 5 else NullLocator())
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
@@ -101,5 +136,7 @@ def time_axis(axes, times, text=True):
     """The whole run along x, also where a panel shows a part of it."""
     if len(times) and times[-1] > times[0]:
         axes.set_xlim(times[0], times[-1])
+    elif not len(times):
+        axes.set_xticks([])
     if text:
         axes.set_xlabel("time [s]")

@@ -88,12 +88,8 @@ class ArmBuilder {
       Vec3<S> l = R * c.p;
       R = R * (c.A + c.B * q.c + c.C * q.s);
       const Vec3<S> h = R * c.axis;
-      if (c.type == JointType::revolute) {
-        H.axis = {h, {S(0), S(0), S(0)}};
-      } else {
-        H.axis = {{S(0), S(0), S(0)}, h};
-        l = l + h * q.d;  // O(k) moves with link k
-      }
+      H = c.type == JointType::revolute ? revolute(h) : prismatic(h);
+      if (c.type == JointType::prismatic) l = l + h * q.d;  // O(k) moves with link k
       phi.l = l;
       M = {turned(R, c.I), R * c.mp, c.m};
       J.d = c.J;

@@ -26,6 +26,11 @@ using Reason = IntegrationStopped::Reason;
 constexpr double nonlinear_fraction = 1e-3;
 constexpr int nonlinear_iterations = 12;
 
+// No arm has motions this short: a step below it means that the solution cannot be followed.
+constexpr double smallest_step = 1e-11;  // s
+// A step that shrinks to nothing within so many steps of a failed right-hand side shrank because of it.
+constexpr long recent_steps = 100;
+
 #if SUNDIALS_VERSION_MAJOR >= 7
 SUNErrCode create_context(SUNContext* context) { return SUNContext_Create(SUN_COMM_NULL, context); }
 #else
@@ -51,6 +56,7 @@ struct Cvode::Impl {
   long finished_evaluations = 0, finished_failures = 0;  // before the last restart
   std::string message;                                   // last error message of CVODE
   std::exception_ptr thrown;                             // last exception of the right-hand side
+  long steps = 0, thrown_in = 0;                         // steps tried; the one in which that happened
 
   ~Impl() {
     if (memory) CVodeFree(&memory);
@@ -69,6 +75,7 @@ struct Cvode::Impl {
       return 0;
     } catch (const IntegrationStopped&) {
       self.thrown = std::current_exception();
+      self.thrown_in = self.steps;
       return 1;  // recoverable: a smaller step may not reach the bad state
     } catch (...) {
       self.thrown = std::current_exception();
@@ -86,15 +93,11 @@ struct Cvode::Impl {
   }
 #endif
 
-  [[noreturn]] void stop(int flag) {
-    if (thrown) {
-      if (flag == CV_RHSFUNC_FAIL || flag == CV_FIRST_RHSFUNC_ERR || flag == CV_REPTD_RHSFUNC_ERR ||
-          flag == CV_UNREC_RHSFUNC_ERR || flag == CV_CONV_FAILURE)
-        std::rethrow_exception(thrown);
-    }
-    const bool small = flag == CV_ERR_FAILURE || flag == CV_CONV_FAILURE;
+  /// `small`: the step became too small, rather than anything else.
+  [[noreturn]] void stop(bool small, const std::string& what) {
+    if (thrown && (!small || steps - thrown_in <= recent_steps)) std::rethrow_exception(thrown);
     throw IntegrationStopped(small ? Reason::step_too_small : Reason::failed,
-                             "at t = " + std::to_string(t) + " s: " + message);
+                             "at t = " + std::to_string(t) + " s: " + what);
   }
 };
 
@@ -132,6 +135,7 @@ Cvode::Cvode(RightSide f, double t0, std::span<const double> y0, const Integrato
   require(CVodeSetNonlinConvCoef(s.memory, nonlinear_fraction), "CVodeSetNonlinConvCoef");
   require(CVodeSetMaxNonlinIters(s.memory, nonlinear_iterations), "CVodeSetMaxNonlinIters");
   require(CVodeSetMaxStep(s.memory, options.max_step), "CVodeSetMaxStep");
+  require(CVodeSetMinStep(s.memory, smallest_step), "CVodeSetMinStep");
 }
 
 Cvode::~Cvode() = default;
@@ -139,22 +143,21 @@ Cvode::Cvode(Cvode&&) noexcept = default;
 
 StepInfo Cvode::step(double stop_time) {
   Impl& s = *impl_;
-  s.thrown = nullptr;
+  ++s.steps;
   s.message.clear();
   require(CVodeSetStopTime(s.memory, stop_time), "CVodeSetStopTime");
   const double before = s.t;
   const int flag = CVode(s.memory, stop_time, s.y, &s.t, CV_ONE_STEP);
   if (flag < 0) {
     s.t = before;
-    s.stop(flag);
+    s.stop(flag == CV_ERR_FAILURE || flag == CV_CONV_FAILURE, s.message);
   }
   StepInfo info;
   info.t = s.t;
   info.at_stop = flag == CV_TSTOP_RETURN;
   CVodeGetLastStep(s.memory, &info.h);
   CVodeGetLastOrder(s.memory, &info.order);
-  if (!(s.t > before) || !(info.h > 0))
-    throw IntegrationStopped(Reason::step_too_small, "at t = " + std::to_string(s.t) + " s: the step shrank to zero");
+  if (!(s.t > before) || !(info.h > 0)) s.stop(true, "the step shrank to zero");
   for (const double value : state())
     if (!std::isfinite(value))
       throw IntegrationStopped(Reason::non_finite, "at t = " + std::to_string(s.t) + " s: the state is not finite");

@@ -6,21 +6,35 @@
 
 namespace osculate {
 
-/// H(k): the row of a one-axis joint. H* = (h;0) revolute, (0;h) prismatic; any unit screw is allowed.
+/// Which half of a spatial vector a joint moves: a revolute joint the angular one, a prismatic joint the linear one.
+enum class HingeKind { revolute, prismatic };
+
+/// H(k): the row of a one-axis joint. H* = (h;0) revolute, (0;h) prismatic. The products below use that one half is zero.
 template <Field S>
 struct Hinge {
   using Scalar = S;
   using Coordinate = S;  // joint rate, acceleration or torque: one number
-  Vec<Motion, S> axis;   // H*
+  HingeKind kind = HingeKind::revolute;
+  Vec3<S> h;  // unit vector along the axis
+  constexpr bool turns() const { return kind == HingeKind::revolute; }
   constexpr Star<Hinge> T() const { return {*this}; }
 };
 template <Field S>
+constexpr Hinge<S> revolute(const Vec3<S>& h) {
+  return {HingeKind::revolute, h};
+}
+template <Field S>
+constexpr Hinge<S> prismatic(const Vec3<S>& h) {
+  return {HingeKind::prismatic, h};
+}
+template <Field S>
 constexpr S operator*(const Hinge<S>& H, const Vec<Force, S>& f) {
-  return dot(H.axis, f);
+  return dot(H.h, H.turns() ? f.ang : f.lin);
 }
 template <Field S>
 constexpr Vec<Motion, S> operator*(const Star<Hinge<S>>& H, const S& rate) {
-  return H.map.axis * rate;
+  const Vec3<S> moved = H.map.h * rate, none;
+  return H.map.turns() ? Vec<Motion, S>{moved, none} : Vec<Motion, S>{none, moved};
 }
 
 /// D(k), J(k): Torque <- Rate, and its inverse.
@@ -45,26 +59,30 @@ constexpr S operator*(const JointCompliance<S>& D, const S& torque) {
   return D.d * torque;
 }
 
-/// H P: Torque <- Motion, and its star P H*: Force <- Rate, both kept as P H*.
-template <Field S>
-struct HingeTimesInertia {
-  Vec<Force, S> column;
-};
+/// P H*: Force <- Rate, as a column.
 template <Field S>
 struct InertiaTimesHinge {
   Vec<Force, S> column;
 };
 template <Field S>
-constexpr HingeTimesInertia<S> operator*(const Hinge<S>& H, const Inertia<S>& P) {
-  return {P * H.axis};
-}
-template <Field S>
 constexpr InertiaTimesHinge<S> operator*(const Inertia<S>& P, const Star<Hinge<S>>& H) {
-  return {P * H.map.axis};
+  const Vec3<S>& h = H.map.h;
+  if (H.map.turns()) return {{P.J * h, transposed_times(P.B, h)}};
+  return {{P.B * h, P.A * h}};
+}
+/// H P H*: H * P waits for H.T().
+template <Field S>
+struct HingeTimesInertia {
+  const Hinge<S>& H;
+  const Inertia<S>& P;
+};
+template <Field S>
+constexpr HingeTimesInertia<S> operator*(const Hinge<S>& H, const Inertia<S>& P) {
+  return {H, P};
 }
 template <Field S>
 constexpr JointInertia<S> operator*(const HingeTimesInertia<S>& HP, const Star<Hinge<S>>& H) {
-  return {dot(HP.column, H.map.axis)};
+  return {dot(HP.H.h, (HP.H.turns() ? HP.P.J : HP.P.A) * H.map.h)};
 }
 
 /// G(k), K(k+1,k): Force <- Torque (31), (32).
@@ -116,11 +134,12 @@ constexpr HingeCompliance<S> operator*(const Star<Hinge<S>>& H, const JointCompl
 }
 template <Field S>
 constexpr Vec<Motion, S> operator*(const HingeCompliance<S>& HD, const S& torque) {
-  return HD.H.axis * (HD.Dinv.d * torque);
+  return HD.H.T() * (HD.Dinv.d * torque);
 }
 template <Field S>
 constexpr Compliance<S> operator*(const HingeCompliance<S>& HD, const Hinge<S>& H) {
-  return scaled_square(H.axis, HD.Dinv.d);
+  const Sym3<S> block = square(H.h) * HD.Dinv.d, none;
+  return H.turns() ? Compliance<S>{block, {}, none} : Compliance<S>{none, {}, block};
 }
 
 /// 1 - G H, written `one - G * H`.
@@ -182,8 +201,8 @@ constexpr PsiInertia<S> operator*(const Psi<S>& psi, const Inertia<S>& P) {
 template <Field S>
 constexpr Inertia<S> operator*(const PsiInertia<S>& left, const Star<Psi<S>>& right) {
   const auto& [phi, G, H] = right.map;
-  const Vec<Force, S> PH = left.P * H.axis;
-  const Vec<Force, S> r = PH - G.column * dot(PH, H.axis);
+  const Vec<Force, S> PH = (left.P * H.T()).column;
+  const Vec<Force, S> r = PH - G.column * (H * PH);
   const S half = S(1) / S(2);
   return carried(phi, left.P - seeded(Fault::strip_inertia, twice_outer(G.column, (PH + r) * half)));
 }
@@ -205,8 +224,9 @@ constexpr Compliance<S> operator*(const PsiCompliance<S>& left, const Psi<S>& ri
   const Compliance<S> X = carried(phi.T(), left.Omega);
   const Vec<Motion, S> y = X * G.column;
   const S half = S(1) / S(2);
-  const Vec<Motion, S> r = y - H.axis * (dot(G.column, y) * half);
-  return X - seeded(Fault::strip_compliance, twice_outer(H.axis, r));
+  const Vec<Motion, S> r = seeded(Fault::strip_compliance, y - H.T() * (dot(G.column, y) * half));
+  if (H.turns()) return {X.J - twice_outer(H.h, r.ang), X.B - outer(H.h, r.lin), X.A};
+  return {X.J, X.B - outer(r.ang, H.h), X.A - twice_outer(H.h, r.lin)};
 }
 
 /// phi* Omega phi for the last step to the tip (60).

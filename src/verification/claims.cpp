@@ -27,15 +27,21 @@ double weighted(const Vector& x, const Vector& y, const Vector& scale, const Vec
   return ratio((x - y).cwiseAbs().cwiseProduct(weights).maxCoeff(), scale.cwiseProduct(weights).maxCoeff());
 }
 
-/// For each row the largest weight among the rows of its kind, angular or linear: a scale that does not depend on how
-/// the base frame is turned.
-Vector largest_of_block(const Vector& weights, const TaskRows& rows) {
+/// For each task row the root of the largest diagonal entry of Omega among the rows of its kind, angular or linear. A
+/// scale that knows neither how the base frame is turned nor the units; rounding in Omega is relative to it.
+Vector block_weights(const Matrix& Omega, const TaskRows& rows) {
   double largest[2] = {0, 0};
   for (std::size_t i = 0; i < rows.size(); ++i)
-    largest[rows[i] / 3] = std::max(largest[rows[i] / 3], weights[static_cast<Eigen::Index>(i)]);
-  Vector out(weights.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) out[static_cast<Eigen::Index>(i)] = largest[rows[i] / 3];
+    largest[rows[i] / 3] = std::max(largest[rows[i] / 3], Omega(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
+  Vector out(static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) out[static_cast<Eigen::Index>(i)] = std::sqrt(largest[rows[i] / 3]);
   return out;
+}
+
+/// 2-norm condition number of a symmetric positive definite matrix; infinite if it is not.
+double condition_number(const Matrix& A) {
+  const Vector values = Eigen::SelfAdjointEigenSolver<Matrix>(A, Eigen::EigenvaluesOnly).eigenvalues();
+  return values[0] > 0 ? values[values.size() - 1] / values[0] : std::numeric_limits<double>::infinity();
 }
 
 Residual bounded(Claim claim, double value, double condition) {
@@ -106,9 +112,7 @@ void fill_dense_side(Evidence& e, const Chain<double>& model, const Chain<double
 double scaled_condition(const Matrix& A) {
   const Vector d = A.diagonal().cwiseSqrt();
   if (!(d.minCoeff() > 0)) return std::numeric_limits<double>::infinity();
-  const Matrix scaled = d.cwiseInverse().asDiagonal() * A * d.cwiseInverse().asDiagonal();
-  const Vector values = Eigen::SelfAdjointEigenSolver<Matrix>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
-  return values[0] > 0 ? values[values.size() - 1] / values[0] : std::numeric_limits<double>::infinity();
+  return condition_number(d.cwiseInverse().asDiagonal() * A * d.cwiseInverse().asDiagonal());
 }
 
 int scaled_rank(const Matrix& A) {
@@ -122,7 +126,7 @@ int scaled_rank(const Matrix& A) {
 double force_residual(const Evidence& e) {
   const Scales scale(e);
   const Vector F = e.terms.Lambda * e.u + e.terms.c + e.terms.g;
-  return weighted(e.F, F, scale.Lambda * (scale.u + scale.c + scale.g), e.task.Omega.diagonal().cwiseSqrt());
+  return weighted(e.F, F, scale.Lambda * (scale.u + scale.c + scale.g), block_weights(e.task.Omega, e.rows));
 }
 
 Residuals assess(const Evidence& e) {
@@ -143,19 +147,17 @@ Residuals assess(const Evidence& e) {
 
   // the task: Omega, then everything that its inverse multiplies
   const auto m = static_cast<Eigen::Index>(e.rows.size());
-  const Vector d = e.task.Omega.diagonal().cwiseSqrt();
+  const Vector d = block_weights(e.task.Omega, e.rows);
   if (!(d.minCoeff() > 0)) return out;
   const Matrix dd = d * d.transpose();
   Matrix Omega(m, m);
   for (Eigen::Index i = 0; i < m; ++i)
     for (Eigen::Index j = 0; j < m; ++j)
       Omega(i, j) = e.recursive.Omega(e.rows[static_cast<std::size_t>(i)], e.rows[static_cast<std::size_t>(j)]);
-  const Vector block = largest_of_block(d, e.rows);
-  at(Claim::omega) = bounded(
-      Claim::omega, (Omega - e.task.Omega).cwiseAbs().cwiseQuotient(block * block.transpose()).maxCoeff(), 1);
+  at(Claim::omega) = bounded(Claim::omega, (Omega - e.task.Omega).cwiseAbs().cwiseQuotient(dd).maxCoeff(), 1);
 
   if (e.terms.Lambda.size() == 0) return out;
-  const double condition = scaled_condition(e.task.Omega);
+  const double condition = condition_number(e.task.Omega.cwiseQuotient(dd));
   const Scales scale(e);
   at(Claim::lambda) = bounded(Claim::lambda,
                               ratio((e.recursive.Lambda - e.terms.Lambda).cwiseAbs().cwiseProduct(dd).maxCoeff(),
@@ -192,7 +194,7 @@ Residuals assess(const Evidence& e) {
   if (e.plant_is_model) {
     Vector reached(m);
     for (Eigen::Index i = 0; i < m; ++i) reached[i] = e.tip_acceleration[e.rows[static_cast<std::size_t>(i)]];
-    const Vector reach_scale = e.task.Omega.cwiseAbs() * e.F.cwiseAbs() + right;
+    const Vector reach_scale = d * d.dot(e.F.cwiseAbs()) + right;  // rounding in Omega(i,j) is relative to d_i d_j
     at(Claim::linearization) =
         bounded(Claim::linearization, weighted(reached, e.u, reach_scale, d.cwiseInverse()), 1);
   }

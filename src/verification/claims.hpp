@@ -1,9 +1,10 @@
 // What the verdict claims, and how far each claim is from true at one state: residual and bound.
 //
-// A residual is the largest |x - y| divided by the scale of the terms that were added to form y, never by y alone. Task
-// quantities are weighed by d = sqrt(diag Omega) and joint quantities by s = sqrt(diag M), so that radians and metres,
-// N m and N are never compared. A bound is a measured constant (bounds.hpp) times eps times the condition number that
-// governs the quantity.
+// A residual is the largest |x - y| divided by the scale of the terms that were added to form y, never by y alone. Joint
+// quantities are weighed by sqrt(diag M), task quantities by the root of the largest diagonal entry of Omega in their block,
+// angular or linear, so that radians and metres, N m and N are never compared. A bound is a measured constant (bounds.hpp)
+// times eps times the condition number that governs the quantity: of M scaled to unit diagonal, or of Omega scaled by those
+// weights. Unit diagonal would hide a direction that the arm is about to lose: rounding in Omega is relative to its block.
 #pragma once
 
 #include <array>

@@ -47,10 +47,13 @@ TrajectoryClaims::TrajectoryClaims(const ClosedLoop& loop, const Observation& st
   const auto commanded = path_->commanded();
   for (std::size_t i = 0; i < 6; ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    uncommanded_[i] =
-        controlled_rows_[i] && !commanded[i] && segment_.e[row] == 0 && segment_.ed[row] == 0;
+    const double zero = rounding() * (i < 3 ? 1 : reach_);  // rad, m, and per second
+    uncommanded_[i] = controlled_rows_[i] && !commanded[i] && std::abs(segment_.e[row]) <= zero &&
+                      std::abs(segment_.ed[row]) <= zero;
   }
 }
+
+double TrajectoryClaims::rounding() const { return 16 * (joints_ + 1) * eps; }
 
 std::string TrajectoryClaims::reason(Claim claim) const {
   if (claim == Claim::energy) return "";
@@ -94,8 +97,8 @@ Residual TrajectoryClaims::energy(const Observation& seen, const GlobalError& er
   energy_scale_ = std::max(energy_scale_, seen.kinetic + std::abs(seen.work) + seen.dissipated +
                                               std::abs(seen.external_work) + std::abs(seen.potential - potential_start_));
   // Each energy is a sum of n products, rounded relative to its own size, the potential to that of its terms.
-  const double rounding = 16 * (joints_ + 1) * eps * (energy_scale_ + std::abs(seen.potential) + std::abs(energy_start_));
-  const double bound = error_multiple * error.energy + rounding;
+  const double terms = energy_scale_ + std::abs(seen.potential) + std::abs(energy_start_);
+  const double bound = error_multiple * error.energy + rounding() * terms;
   if (!error.known) return {0, 0, false};
   ++energy_steps_;
   widest_bound_ = std::max(widest_bound_, bound);
@@ -126,7 +129,7 @@ ClaimResult TrajectoryClaims::energy_result() const {
     out.reason = "residual above its bound";
   } else if (!(widest_bound_ <= undecided_bound * energy_scale_)) {
     out.outcome = Outcome::fail;
-    out.reason = "undecided: the global error is too large to judge";
+    out.reason = "undecided: the global error of the energies is above 1e-3 of what moved";
     out.undecided_steps = energy_steps_;
   } else {
     out.outcome = Outcome::pass;
@@ -142,9 +145,8 @@ Residual TrajectoryClaims::pose_residual(const Vector6& difference, const std::a
     double& largest = i < 3 ? angle : distance;
     largest = std::max(largest, std::abs(difference[static_cast<Eigen::Index>(i)]));
   }
-  const double rounding = 16 * (joints_ + 1) * eps;  // of forward kinematics, relative to 1 rad and to the reach
-  const Residual turned{angle, error_multiple * error.orientation + rounding, error.known};
-  const Residual moved{distance / reach_, error_multiple * error.position / reach_ + rounding, error.known};
+  const Residual turned{angle, error_multiple * error.orientation + rounding(), error.known};
+  const Residual moved{distance / reach_, error_multiple * error.position / reach_ + rounding(), error.known};
   return turned.value * moved.bound > moved.value * turned.bound ? turned : moved;
 }
 

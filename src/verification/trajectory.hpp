@@ -48,6 +48,8 @@ class TrajectoryClaims {
   double worst_orientation() const { return worst_orientation_; }
 
  private:
+  /// Rounding of forward kinematics and energies, relative to 1 rad, to the reach and to the terms summed.
+  double rounding() const;
   /// Error that the closed-form solution has at time t.
   PoseError exact_error(double t) const;
   Residual energy(const Observation& seen, const GlobalError& error);

@@ -59,8 +59,8 @@ int main(int argc, char** argv) {
          << "inline constexpr std::array<MeasuredBound, " << worst.size() << "> measured_bounds{{\n";
   page << "# Measured bounds\n\nMade by `./dev bounds` from " << count << " states (seeds " << first_seed << " to "
        << first_seed + count - 1
-       << "): random arms of 6 to 9 joints, revolute and prismatic,\nwith and without armature, masses graded along the "
-          "chain by up to 1000, one state in eight nearly singular.\n`worst` is the largest residual in units of eps "
+       << "): one in four of the arms in `models/`, the others random arms of\n6 to 9 joints, revolute and prismatic, with and "
+          "without armature, masses graded along the chain by up to 1000, one in\neight nearly singular.\n`worst` is the largest residual in units of eps "
           "times the condition number; the bound uses "
        << margin << " times that.\nThe residuals are defined in `src/verification/claims.cpp`.\n\n"
        << "| claim | condition number | worst | constant | seed |\n|---|---|---|---|---|\n";
