@@ -1,5 +1,6 @@
 """Figures of the checks and of the integration: residuals, solver, global error."""
 import math
+import textwrap
 
 import numpy as np
 
@@ -18,7 +19,7 @@ def residuals(result):
     rows = max(1, math.ceil(len(shown) / columns))
     reasons = _why_absent(absent, verdicts)
     figure, grid = style.new_grid(result, "residual of each claim against its bound", (rows, columns),
-                                  (max(3.2, 6 / columns), 1.45), gap=(0.85, 0.38), footer=0.25 + 0.17 * len(reasons))
+                                  (max(3.2, 6 / columns), 1.45), gap=(0.85, 0.38), footer=0.05 + 0.17 * len(reasons))
     panels = grid.subplots(squeeze=False, sharex=True).ravel()
     handles = {}
     for axes, claim in zip(panels, shown):
@@ -58,11 +59,12 @@ def _colour(verdict):
 
 
 def _why_absent(names, verdicts):
-    """Claims without a residual, one line for each reason."""
+    """Lines that name the claims without a residual, each reason on a new one."""
     by_reason = {}
     for name in names:
         by_reason.setdefault(verdicts[name].reason if name in verdicts else "never judged", []).append(name)
-    return [f"not applicable: {', '.join(group)} ({reason})" for reason, group in by_reason.items()]
+    sentences = [f"not applicable: {', '.join(group)} ({reason})" for reason, group in by_reason.items()]
+    return [line for sentence in sentences for line in textwrap.wrap(sentence, 85)]
 
 
 def solver(result):

@@ -32,8 +32,9 @@ def make(result, directory, names, formats):
     directory.mkdir(parents=True, exist_ok=True)
     for name in names:
         figure = FIGURES[name](result)
-        figure.draw_without_rendering()  # lays it out, once for all formats
-        figure.set_layout_engine("none")
+        if figure.get_layout_engine() is not None:
+            figure.draw_without_rendering()  # lays it out, once for all formats
+            figure.set_layout_engine("none")
         for kind in formats:
             path = directory / f"{name}.{kind}"
             figure.savefig(path, metadata=METADATA[kind])
@@ -55,7 +56,8 @@ def main(arguments=None):
         print(f"plot.py: {error}", file=sys.stderr)
         return 2
     except OSError as error:
-        print(f"plot.py: {directory}: cannot write the figures ({error.strerror or error}). Choose another place with -o.", file=sys.stderr)
+        reason = error.strerror or error
+        print(f"plot.py: {directory}: cannot write the figures ({reason}). Choose another place with -o.", file=sys.stderr)
         return 4
     return 0
 

@@ -26,7 +26,7 @@ struct ArmLink {
   Shift<S> phi;
   H hinge;
   RigidInertia<S> M;
-  JointInertia<S> J;
+  typename H::JointInertia J;
 };
 
 /// phi, H, M, J of every link at one configuration, and the tip's pose. arm[0] holds phi(1,0) alone.

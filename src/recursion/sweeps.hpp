@@ -27,16 +27,16 @@ struct Pass {
   Vec<Motion, S> V, a;                  // velocity, bias acceleration
   Vec<Force, S> b;                      // bias force
   Inertia<S> P;                         // articulated inertia
-  JointInertia<S> D;                    // its projection on the joint axis, plus armature
-  Gain<S> G, K;                         // G(k), K(k+1,k)
-  Psi<S> psi;                           // psi(k+1,k)
+  typename H::JointInertia D;           // its projection on the joint axis, plus armature
+  typename H::Gain G, K;                // G(k), K(k+1,k)
+  typename H::Psi psi;                  // psi(k+1,k)
   Vec<Force, S> z;                      // articulated bias force
   Vec<Motion, S> xi, eta, eta_g;        // (66), (67), (73)
   Compliance<S> Omega;                  // (58)
   Vec<Force, S> f;                      // (39)
-  Coordinate T0 = S(0), T = S(0);       // joint torque known beforehand; joint torque of (39)
+  Coordinate T0{}, T{};                 // joint torque known beforehand; joint torque of (39)
   Vec<Motion, S> alpha;                 // acceleration (plant)
-  Coordinate thdd = S(0);               // joint acceleration (plant)
+  Coordinate thdd{};                    // joint acceleration (plant)
 };
 
 /// x[0] .. x[n+1].
@@ -96,7 +96,7 @@ void sweep_velocities(const BasicArm<H>& arm, const Rates& thd, const Vec<Motion
 
 /// P(k), D(k), G(k), K(k+1,k), psi(k+1,k) from the next link outward: one step of (37).
 template <class H>
-void articulate(const ArmLink<H>& link, const JointInertia<typename H::Scalar>& J_out, const Pass<H>& out, Pass<H>& x) {
+void articulate(const ArmLink<H>& link, const typename H::JointInertia& J_out, const Pass<H>& out, Pass<H>& x) {
   const auto& [phi, Hk, M, J] = link;
   auto& P = x.P;
   P = out.psi * out.P * out.psi.T() + seeded(Fault::articulated_armature, out.K * J_out * out.K.T()) +
@@ -111,12 +111,11 @@ void articulate(const ArmLink<H>& link, const JointInertia<typename H::Scalar>& 
 /// F_ext: external wrench on the tip, base frame, about the tip point.
 template <class H>
 void sweep_articulated(const BasicArm<H>& arm, const Vec<Force, typename H::Scalar>& F_ext, Passes<H>& x) {
-  using S = typename H::Scalar;
   x[0].P = {};
   x[0].K = {};
   x[0].psi = {arm[0].phi, {}, {}};                                                        // psi(1,0) = phi(1,0)
   x[0].z = -F_ext;
-  x[0].T0 = S(0);
+  x[0].T0 = {};
   for (int k = 1; k <= arm.n(); ++k) {
     const auto& Hk = arm[k].hinge;
     const auto& out = x[k - 1];

@@ -1,5 +1,6 @@
 // What a joint does to spatial vectors: H, D, G, K, psi for a joint with one axis.
-// A joint with m axes is another type with the same operators (D an m x m block); the sweeps are templates on it.
+// A joint with m axes is another type with the same operators and member types (D an m x m block); the sweeps are
+// templates on it.
 #pragma once
 
 #include "spatial/map.hpp"
@@ -9,11 +10,21 @@ namespace osculate {
 /// Which half of a spatial vector a joint moves: a revolute joint the angular one, a prismatic joint the linear one.
 enum class HingeKind { revolute, prismatic };
 
+template <Field S>
+struct JointInertia;
+template <Field S>
+struct Gain;
+template <Field S>
+struct Psi;
+
 /// H(k): the row of a one-axis joint. H* = (h;0) revolute, (0;h) prismatic. The products below use that one half is zero.
 template <Field S>
 struct Hinge {
   using Scalar = S;
   using Coordinate = S;  // joint rate, acceleration or torque: one number
+  using JointInertia = osculate::JointInertia<S>;
+  using Gain = osculate::Gain<S>;
+  using Psi = osculate::Psi<S>;
   HingeKind kind = HingeKind::revolute;
   Vec3<S> h;  // unit vector along the axis
   constexpr bool turns() const { return kind == HingeKind::revolute; }

@@ -38,7 +38,9 @@ TaskVector<Q> task_vector(const Vector& v) {
 Vector plain(const TaskVector<Q>& v, const TaskRows& rows) {
   return Eigen::Map<const Vector>(v.data(), static_cast<int>(rows.size()));
 }
-Vector operator+(const Vector& a, const TaskVector<Q>& b) { return a + Eigen::Map<const Vector>(b.data(), a.size()); }
+Vector operator+(const Vector& a, const TaskVector<Q>& b) {
+  return a + Eigen::Map<const Vector>(b.data(), a.size());
+}
 
 /// As many rows as Omega has rank, by adding those whose pivot is not zero.
 TaskRows independent_rows(const Compliance<Q>& Omega) {
@@ -84,7 +86,7 @@ TEST_CASE("the four sweeps are the definitions: Omega, Lambda, c, g, c + g, F, T
     CHECK(plain(space.tip_rotation()) == x.tip.R);
     CHECK(plain(space.tip_position()) == x.tip.p);
     CHECK(plain(space.tip_velocity()) == x.tip.tip_velocity);
-    CHECK(plain(Omega) == dense::mobility(x.tip, x.joint).Omega);                      // (11), (58), (60)
+    CHECK(plain(Omega) == dense::mobility(x.tip, x.joint).Omega);  // (11), (58), (60)
 
     const TaskRows rows = independent_rows(Omega);
     if (static_cast<int>(rows.size()) == std::min(n, 6)) ++of_full_rank;
@@ -93,16 +95,16 @@ TEST_CASE("the four sweeps are the definitions: Omega, Lambda, c, g, c + g, F, T
     const TaskFactor<Q> factor(Omega, rows);
     const Vector u = fractions(random, static_cast<int>(rows.size()));
     const auto command = dense::task_force(task, terms, u);
-    CHECK(Lambda_of(factor, rows) == terms.Lambda);                                    // (12), (61)
-    CHECK(plain(factor.solve(restricted(both, rows)), rows) == terms.c + terms.g);     // section 4.3, corrected
-    CHECK(plain(factor.solve(restricted(of_g, rows)), rows) == terms.g);               // (15), (72)
+    CHECK(Lambda_of(factor, rows) == terms.Lambda);                                 // (12), (61)
+    CHECK(plain(factor.solve(restricted(both, rows)), rows) == terms.c + terms.g);  // section 4.3, corrected
+    CHECK(plain(factor.solve(restricted(of_g, rows)), rows) == terms.g);            // (15), (72)
     const auto F = factor.solve(task_vector(u + restricted(both, rows)));
-    CHECK(plain(F, rows) == command.F);                                                // (4)
+    CHECK(plain(F, rows) == command.F);  // (4)
     Vector T(n);
     space.torques(wrench(F, rows), span_of(T));
-    CHECK(T == command.T);                                                             // (16), (39)
+    CHECK(T == command.T);  // (16), (39)
     const Vec<Motion, Q> of_c = space.right_side_of_c(span_of(arm.qd));
-    CHECK(plain(factor.solve(restricted(of_c, rows)), rows) == terms.c);               // (14), (65)
+    CHECK(plain(factor.solve(restricted(of_c, rows)), rows) == terms.c);  // (14), (65)
   });
   CHECK(of_full_rank >= 100);  // of 120
 }
@@ -118,8 +120,8 @@ TEST_CASE("the operator inverse of the mass matrix is M^-1: joint and tip accele
     plant.place(arm.positions);
     Vector accelerations(n);
     plant.accelerations(span_of(arm.qd), span_of(T), as<Force>(F_ext), span_of(accelerations));
-    CHECK(accelerations == qdd);                                                       // (6), (51)
-    CHECK(plain(plant.tip_velocity()) == x.tip.tip_velocity);                          // (7)
+    CHECK(accelerations == qdd);                                                          // (6), (51)
+    CHECK(plain(plant.tip_velocity()) == x.tip.tip_velocity);                             // (7)
     CHECK(plain(plant.tip_acceleration()) == Vector6<Q>(x.tip.J * qdd + x.tip.Jdot_qd));  // (8)
     CHECK(plant.kinetic_energy(span_of(arm.qd)) == dense::kinetic_energy(x.joint, arm.qd));
     CHECK(plant.potential_energy() == dense::potential_energy(arm.chain, arm.positions));
@@ -134,13 +136,14 @@ TEST_CASE("the torque of the sweeps accelerates the tip as commanded, in every i
     space.sweep(span_of(arm.qd));
     const TaskRows rows = independent_rows(space.Omega());
     const Vector u = fractions(random, static_cast<int>(rows.size()));
-    const auto F = TaskFactor<Q>(space.Omega(), rows).solve(task_vector(u + restricted(space.right_side(), rows)));
+    const auto F =
+        TaskFactor<Q>(space.Omega(), rows).solve(task_vector(u + restricted(space.right_side(), rows)));
     Vector T(n), qdd(n);
     space.torques(wrench(F, rows), span_of(T));
     ForwardDynamics<Q> plant(arm.chain);
     plant.place(arm.positions);
     plant.accelerations(span_of(arm.qd), span_of(T), {}, span_of(qdd));
-    CHECK(plain(restricted(plant.tip_acceleration(), rows), rows) == u);               // (5)
+    CHECK(plain(restricted(plant.tip_acceleration(), rows), rows) == u);  // (5)
   });
 }
 
@@ -153,7 +156,7 @@ TEST_CASE("section 4.3 as printed, without a_g on the right of (68), is wrong by
     Passes<Hinge<Q>> x(n);
     sweep_velocities(placed, TipFirst<Q>{arm.qd.data(), n}, builder.a_g(), x);  // a(n) + phi*(n+1,n) a_g
     sweep_articulated(placed, {}, x);
-    sweep_compliance(placed, {}, x);                                            // nothing added at the tip
+    sweep_compliance(placed, {}, x);  // nothing added at the tip
     const TaskRows rows = independent_rows(x[0].Omega);
     const TaskFactor<Q> factor(x[0].Omega, rows);
     const Vector printed = plain(factor.solve(restricted(x[0].eta, rows)), rows);
@@ -168,7 +171,8 @@ TEST_CASE("section 4.3 as printed, without a_g on the right of (68), is wrong by
   });
 }
 
-TEST_CASE("joint torques known beforehand move the arm within itself and leave the tip's acceleration alone") {
+TEST_CASE(
+    "joint torques known beforehand move the arm within itself and leave the tip's acceleration alone") {
   for_arms(7, 7, 3, [](const ExactArm& arm, Random& random) {
     const int n = arm.chain.n();
     OperationalSpace<Q> space(arm.chain);
@@ -191,8 +195,8 @@ TEST_CASE("joint torques known beforehand move the arm within itself and leave t
 }
 
 TEST_CASE("a single free body: six joints on massless links do not show") {
-  // Closed form: Lambda is the body's inertia about the tip, c = (w x I w; m w x (w x p)), g = -(p x m gamma; m gamma)
-  // with p from the tip to the centre of mass and gamma the acceleration of free fall.
+  // Closed form: Lambda is the body's inertia about the tip, c = (w x I w; m w x (w x p)), g = -(p x m gamma;
+  // m gamma) with p from the tip to the centre of mass and gamma the acceleration of free fall.
   for (unsigned seed = 1; seed <= 10; ++seed) {
     INFO("seed " << seed);
     Random random(seed);
@@ -206,14 +210,16 @@ TEST_CASE("a single free body: six joints on massless links do not show") {
       link.axis = Vector3<Q>::Unit(i % 3);
       link.armature = Q(0);
       if (i < 5) link.mass = Q(0), link.inertia.setZero();
-      q = i < 3 ? JointPosition<Q>{Q(1), Q(0), random.fraction(4, 2)} : JointPosition<Q>{Q(4, 5), Q(3, 5), Q(0)};
+      q = i < 3 ? JointPosition<Q>{Q(1), Q(0), random.fraction(4, 2)}
+                : JointPosition<Q>{Q(4, 5), Q(3, 5), Q(0)};
     }
     OperationalSpace<Q> space(arm.chain);
     space.place(arm.positions);
     space.sweep(span_of(arm.qd));
     const TaskFactor<Q> factor(space.Omega(), all_rows());
     const Vector g = plain(factor.solve(restricted(space.right_side_of_g(), all_rows())), all_rows());
-    const Vector c = plain(factor.solve(restricted(space.right_side_of_c(span_of(arm.qd)), all_rows())), all_rows());
+    const Vector c =
+        plain(factor.solve(restricted(space.right_side_of_c(span_of(arm.qd)), all_rows())), all_rows());
 
     const Link<Q>& body = arm.chain.links.back();
     const Matrix3<Q> R = plain(space.tip_rotation()) * arm.chain.R_tip.transpose();  // body axes
@@ -232,7 +238,8 @@ TEST_CASE("a single free body: six joints on massless links do not show") {
 }
 
 TEST_CASE("a bead on a turning rod: the sliding joint feels 2 w x h qd") {
-  // Polar coordinates: (J1 + I + m r^2) th'' + 2 m r r' th' = T and (m + J2) r'' - m r th'^2 = f; the tip is the bead.
+  // Polar coordinates: (J1 + I + m r^2) th'' + 2 m r r' th' = T and (m + J2) r'' - m r th'^2 = f; the tip is
+  // the bead.
   const Q m(3), I(1, 4), J1(1, 2), J2(2), r(5, 3), th_rate(7, 2), r_rate(-4, 3), T(11), f(5);
   Chain<Q> chain;
   Link<Q> rod, bead;

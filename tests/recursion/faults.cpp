@@ -1,5 +1,6 @@
 // Seeded faults: each changes what the recursions say, and none reaches the dense reference. Compiled with
-// OSCULATE_FAULTS. Both sides start from the same chain, joint positions and rates; sharing more would show here.
+// OSCULATE_FAULTS. Both sides start from the same chain, joint positions and rates; sharing more would show
+// here.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -119,7 +120,8 @@ Numbers recursions(const Case& c) {
 
   ForwardDynamics<double> plant(arm.chain);
   plant.place(arm.positions);
-  plant.accelerations(qd, {T.data(), n}, {{F_ext[0], F_ext[1], F_ext[2]}, {F_ext[3], F_ext[4], F_ext[5]}}, qdd);
+  plant.accelerations(qd, {T.data(), n}, {{F_ext[0], F_ext[1], F_ext[2]}, {F_ext[3], F_ext[4], F_ext[5]}},
+                      qdd);
   append(out, Eigen::Map<const Vector>(qdd.data(), arm.chain.n()));
   append(out, plant.tip_acceleration());
   return out;
@@ -128,7 +130,8 @@ Numbers recursions(const Case& c) {
 bool same_bits(const Numbers& a, const Numbers& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
 }
-/// Some number is off by more than a thousandth of the largest, or is no number at all: no rounding does that.
+/// Some number is off by more than a thousandth of the largest, or is no number at all: no rounding does
+/// that.
 bool differs(const Numbers& a, const Numbers& b) {
   double largest = 0, difference = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {

@@ -1,6 +1,6 @@
-// The sweeps run over other joint types than Hinge: here a cylindrical joint, which turns and slides about one axis.
-// The same motion is that of a revolute and a prismatic joint on that axis with a massless link between them, so over
-// exact fractions both arms must say the same.
+// The sweeps run over other joint types than Hinge: here a cylindrical joint, which turns and slides about
+// one axis. The same motion is that of a revolute and a prismatic joint on that axis with a massless link
+// between them, so over exact fractions both arms must say the same.
 #include <vector>
 
 #include "recursion/operational_space.hpp"
@@ -41,8 +41,12 @@ struct Block {  // D, J or an inverse: [tt ts; ts ss]
 template <class Space>
 struct Columns {  // 6 x 2
   Vec<Space, Q> turn, slide;
-  friend Vec<Space, Q> operator*(const Columns& A, const Pair& t) { return A.turn * t.turn + A.slide * t.slide; }
-  friend Columns operator*(const Columns& A, const Block& D) { return {A * Pair{D.tt, D.ts}, A * Pair{D.ts, D.ss}}; }
+  friend Vec<Space, Q> operator*(const Columns& A, const Pair& t) {
+    return A.turn * t.turn + A.slide * t.slide;
+  }
+  friend Columns operator*(const Columns& A, const Block& D) {
+    return {A * Pair{D.tt, D.ts}, A * Pair{D.ts, D.ss}};
+  }
   Pair transposed_times(const Vec<typename Space::Dual, Q>& v) const { return {dot(turn, v), dot(slide, v)}; }
 };
 /// A B^T + B A^T and A D A^T
@@ -103,7 +107,9 @@ struct GainTimesInertia {
   Block J;
 };
 GainTimesInertia operator*(const Gain& K, const Block& J) { return {K, J}; }
-Inertia<Q> operator*(const GainTimesInertia& KJ, const Star<Gain>& K) { return weighted_square(K.map.c, KJ.J); }
+Inertia<Q> operator*(const GainTimesInertia& KJ, const Star<Gain>& K) {
+  return weighted_square(K.map.c, KJ.J);
+}
 
 struct JointCompliance {  // H* D^-1
   Joint H;
@@ -111,7 +117,9 @@ struct JointCompliance {  // H* D^-1
 };
 JointCompliance operator*(const Star<Joint>& H, const Block& Dinv) { return {H.map, Dinv}; }
 Vec<Motion, Q> operator*(const JointCompliance& HD, const Pair& t) { return HD.H.axes * (HD.Dinv * t); }
-Compliance<Q> operator*(const JointCompliance& HD, const Joint& H) { return weighted_square(H.axes, HD.Dinv); }
+Compliance<Q> operator*(const JointCompliance& HD, const Joint& H) {
+  return weighted_square(H.axes, HD.Dinv);
+}
 
 struct Strip {  // G H, then 1 - G H
   Gain G;
@@ -120,7 +128,9 @@ struct Strip {  // G H, then 1 - G H
 Strip operator*(const Gain& G, const Joint& H) { return {G, H}; }
 Strip operator-(One, const Strip& GH) { return GH; }
 Psi operator*(const Shift<Q>& phi, const Strip& strip) { return {phi, strip.G, strip.H}; }
-Vec<Force, Q> operator*(const Psi& psi, const Vec<Force, Q>& f) { return psi.phi * (f - psi.G * (psi.H * f)); }
+Vec<Force, Q> operator*(const Psi& psi, const Vec<Force, Q>& f) {
+  return psi.phi * (f - psi.G * (psi.H * f));
+}
 Vec<Motion, Q> operator*(const Star<Psi>& psi, const Vec<Motion, Q>& V) {
   const auto& [phi, G, H] = psi.map;
   const Vec<Motion, Q> moved = phi.T() * V;
@@ -133,7 +143,8 @@ struct PsiInertia {
 PsiInertia operator*(const Psi& psi, const Inertia<Q>& P) { return {psi, P}; }
 Inertia<Q> operator*(const PsiInertia& left, const Star<Psi>& right) {
   const auto& [phi, G, H] = right.map;
-  return carried(phi, left.P - twice_outer(G.c, (left.P * H.T()).c) + weighted_square(G.c, H * left.P * H.T()));
+  return carried(phi,
+                 left.P - twice_outer(G.c, (left.P * H.T()).c) + weighted_square(G.c, H * left.P * H.T()));
 }
 struct PsiCompliance {
   Psi psi;
@@ -176,7 +187,8 @@ std::vector<Pair> pairs(const std::vector<Q>& v) {
   return out;
 }
 
-/// exact_arm with 2 n joints, changed so that each P joint sits on the axis and point of the R joint before it.
+/// exact_arm with 2 n joints, changed so that each P joint sits on the axis and point of the R joint before
+/// it.
 ExactArm pairwise_arm(unsigned seed, int joints) {
   ExactArm arm = exact_arm(seed, 2 * joints);
   Random random(seed);
@@ -237,15 +249,15 @@ TEST_CASE("cylindrical joints through the same sweeps equal revolute and prismat
 
       CHECK(plain(y[0].V) == plain(x[0].V));
       CHECK(plain(y[0].a) == plain(x[0].a));
-      CHECK(plain(y[0].Omega) == plain(x[0].Omega));    // (60)
-      CHECK(plain(y[0].eta) == plain(x[0].eta));        // (68): right side of c + g, with T0 and F_ext
-      CHECK(plain(y[0].eta_g) == plain(x[0].eta_g));    // (74)
-      CHECK(plain(y[0].alpha) == plain(x[0].alpha));    // (8)
+      CHECK(plain(y[0].Omega) == plain(x[0].Omega));  // (60)
+      CHECK(plain(y[0].eta) == plain(x[0].eta));      // (68): right side of c + g, with T0 and F_ext
+      CHECK(plain(y[0].eta_g) == plain(x[0].eta_g));  // (74)
+      CHECK(plain(y[0].alpha) == plain(x[0].alpha));  // (8)
       for (int k = 1; k <= joints; ++k) {
         INFO("joint k = " << k);
         const auto &turn = x[2 * k], &slide = x[2 * k - 1];
-        CHECK(plain(y[k].P) == plain(slide.P));         // (37)
-        CHECK(y[k].T == Pair{turn.T, slide.T});         // (39)
+        CHECK(plain(y[k].P) == plain(slide.P));           // (37)
+        CHECK(y[k].T == Pair{turn.T, slide.T});           // (39)
         CHECK(y[k].thdd == Pair{turn.thdd, slide.thdd});  // (51)
       }
       if (joints >= 3) {

@@ -1,4 +1,5 @@
-// Random arms in three regimes, what the recursions say of them, and the sizes against which rounding is measured.
+// Random arms in three regimes, what the recursions say of them, and the sizes against which rounding is
+// measured.
 #pragma once
 
 #include <Eigen/Eigenvalues>
@@ -19,14 +20,16 @@ namespace osculate::testing {
 using Vector = VectorX<double>;
 using Matrix = MatrixX<double>;
 
-inline std::span<const double> span_of(const Vector& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
+inline std::span<const double> span_of(const Vector& v) {
+  return {v.data(), static_cast<std::size_t>(v.size())};
+}
 inline std::span<double> span_of(Vector& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
 /// What sweeps 1 to 3 say of an arm in a state.
 struct Sides {
   Matrix Omega;
   Vector c, g, both;  // right sides: Omega times c, g and c + g
-  Vector D;        // D(k), tip to base
+  Vector D;           // D(k), tip to base
 };
 inline Sides sides_of(OperationalSpace<double>& space, const RandomArm& arm) {
   Sides out;
@@ -72,12 +75,14 @@ inline Vector row_scale(const Matrix& Omega) {
 }
 inline Matrix entry_scale(const Matrix& Omega) { return row_scale(Omega) * row_scale(Omega).transpose(); }
 
-/// From the dense reference, the sizes of what is summed: sums may cancel, and their error is that of the terms.
+/// From the dense reference, the sizes of what is summed: sums may cancel, and their error is that of the
+/// terms.
 struct Sizes {
   dense::State<double> x;
-  Matrix Minv;  // |M^-1|
-  Vector C, G;  // N m or N, without cancellation between links
-  Vector tip;      // of Jdot qd
+  Matrix Minv;   // |M^-1|
+  Vector C, G;   // N m or N, without cancellation between links
+  Vector tip;    // of Jdot qd
+  Matrix reach;  // 6 x n, as J, with the distance from joint to tip as every lever arm
   explicit Sizes(const RandomArm& arm) : x(dense::state(arm.chain, arm.positions, arm.qd)) {
     Minv = x.joint.M.inverse().cwiseAbs();
     const double rates = arm.qd.lpNorm<1>();
@@ -85,6 +90,14 @@ struct Sizes {
     double mass = 0;
     for (const auto& link : arm.chain.links) mass += link.mass;
     G = Vector::Constant(arm.chain.n(), mass * arm.chain.gravity.norm() * x.tip.J.cwiseAbs().maxCoeff());
+    reach = Matrix::Zero(6, arm.chain.n());
+    const auto places = dense::places(arm.chain, arm.positions);
+    for (int i = 0; i < arm.chain.n(); ++i) {
+      const auto& link = places.links[static_cast<std::size_t>(i)];
+      const bool turns = link.type == JointType::revolute;
+      reach.col(i).head<3>().setConstant(turns ? 1 : 0);
+      reach.col(i).tail<3>().setConstant(turns ? (places.tip.p - link.origin).norm() : 1);
+    }
     tip = Vector::Constant(6, x.tip.J.cwiseAbs().maxCoeff() * rates * rates);
   }
   Matrix J() const { return x.tip.J.cwiseAbs(); }
@@ -93,6 +106,11 @@ struct Sizes {
   /// of qdd under T and F_ext
   Vector accelerations(const Vector& T, const Vector& F_ext) const {
     return Minv * (T.cwiseAbs() + C + G + J().transpose() * F_ext.cwiseAbs());
+  }
+  /// of the tip acceleration under T = J* F. A large F that has little lever arm left was moved over all of
+  /// `reach`.
+  Vector commanded(const Vector& F) const {
+    return reach * (Minv * (reach.transpose() * F.cwiseAbs() + C + G)) + tip;
   }
 };
 

@@ -1,5 +1,6 @@
-// Laws that the recursions obey on random arms over doubles: generic, nearly singular and at rest, 1 to 12 joints.
-// Tolerances are a constant times n eps times a scale that is stated; the constant is at most 5 times the worst seen.
+// Laws that the recursions obey on random arms over doubles: generic, nearly singular and at rest, 1 to 12
+// joints. Tolerances are a constant times eps times a scale that is stated; the constant is at most 5 times
+// the worst seen.
 #include "recursion/law_arms.hpp"
 
 using namespace osculate;
@@ -27,7 +28,7 @@ TEST_CASE("Omega is positive semidefinite, Lambda symmetric, every D(k) positive
     const Vector d = s.Omega.diagonal().cwiseSqrt().cwiseInverse();
     const Matrix scaled = d.asDiagonal() * s.Omega * d.asDiagonal();
     const double least = eigenvalues(scaled)[0];
-    negative.see(std::max(0.0, -least), t.n, t.which);
+    negative.see(std::max(0.0, -least), 1, t.which);
 
     const TaskRows rows = regular_rows(s.Omega);
     const int m = static_cast<int>(rows.size());
@@ -49,8 +50,8 @@ TEST_CASE("Omega is positive semidefinite, Lambda symmetric, every D(k) positive
     skewness.see_each(Lambda - Lambda.transpose(), cond * root * root.transpose(), t.which);
   });
   CHECK(hardest > 1e7);
-  check_within("negative eigenvalue of the scaled Omega", negative, 0);
-  check_within("Lambda - Lambda^T", skewness, 0);
+  check_within("negative eigenvalue of the scaled Omega", negative, 30);  // seen 6.9
+  check_within("Lambda - Lambda^T", skewness, 0.7);                       // seen 0.15
 }
 
 TEST_CASE("g follows gravity, c is even and quadratic in the rates: to the bit, and at rest there is no c") {
@@ -75,10 +76,10 @@ TEST_CASE("g follows gravity, c is even and quadratic in the rates: to the bit, 
     CHECK(sides_of(other).c == 4 * s.c);
     other.qd = 3 * t.arm.qd;
     const Vector error = sides_of(other).c - 9 * s.c;
-    threefold.see_each(error, 9 * t.n * Sizes(t.arm).right_side_c(), t.which);
+    threefold.see_each(error, 9 * Sizes(t.arm).right_side_c(), t.which);
     if (t.arm.qd.isZero(0)) CHECK(s.c.isZero(0));
   });
-  check_within("c at three times the rates", threefold, 0);
+  check_within("c at three times the rates", threefold, 1.9);  // seen 0.39
 }
 
 TEST_CASE("repeated calls give identical bits, whatever was computed in between") {
@@ -109,24 +110,25 @@ TEST_CASE("turning and moving the base turns the numbers and nothing else") {
     turn.bottomRightCorner<3, 3>() = R;
     const Sides a = sides_of(t.arm), b = sides_of(other);
     const Sizes size(t.arm);
-    Omega.see_each(b.Omega - turn * a.Omega * turn.transpose(), t.n * entry_scale(a.Omega), t.which);
+    Omega.see_each(b.Omega - turn * a.Omega * turn.transpose(), entry_scale(a.Omega), t.which);
     const Vector right = size.right_side_c() + size.right_side_g();
-    both.see((b.both - turn * a.both).norm(), t.n * right.norm(), t.which);
+    both.see((b.both - turn * a.both).norm(), right.norm(), t.which);
     const Vector T = uniform(t.random, t.n, 20);
     const Vector F_ext = uniform(t.random, 6, 20);
     const Motions m = motions_of(t.arm, T, F_ext), moved = motions_of(other, T, turn * F_ext);
     const Vector scale = size.accelerations(T, F_ext);
-    qdd.see_each(moved.qdd - m.qdd, t.n * scale, t.which);
-    tip.see((moved.tip - turn * m.tip).norm(), t.n * (size.J() * scale + size.tip).norm(), t.which);
+    qdd.see_each(moved.qdd - m.qdd, scale, t.which);
+    tip.see((moved.tip - turn * m.tip).norm(), (size.J() * scale + size.tip).norm(), t.which);
   });
-  check_within("Omega", Omega, 0);
-  check_within("right side of c + g", both, 0);
-  check_within("qdd", qdd, 0);
-  check_within("tip acceleration", tip, 0);
+  check_within("Omega", Omega, 50);              // seen 12
+  check_within("right side of c + g", both, 4);  // seen 0.83
+  check_within("qdd", qdd, 7);                   // seen 1.5
+  check_within("tip acceleration", tip, 5.5);    // seen 1.2
 }
 
 TEST_CASE("the energy of links and rotors grows by the power that is put in") {
-  // dE/dt along the motion by dual numbers: q' = qd, qd' = qdd. Scale: |qd| |M| |qdd| and the terms of qd . (C + G).
+  // dE/dt along the motion by dual numbers: q' = qd, qd' = qdd. Scale: |qd| |M| |qdd| and the terms of qd .
+  // (C + G).
   Worst power;
   for_arms([&](Case t) {
     using D = Dual<double>;
@@ -146,9 +148,9 @@ TEST_CASE("the energy of links and rotors grows by the power that is put in") {
     if (scale == 0)
       CHECK(energy.derivative == 0);  // at rest no power flows
     else
-      power.see(std::abs(energy.derivative - input), t.n * scale, t.which);
+      power.see(std::abs(energy.derivative - input), scale, t.which);
   });
-  check_within("power", power, 0);
+  check_within("power", power, 4);  // seen 0.84
 }
 
 TEST_CASE("a link in a chain is never more mobile than when free") {
@@ -171,9 +173,9 @@ TEST_CASE("a link in a chain is never more mobile than when free") {
       const Vector d = row_scale(free).cwiseInverse();
       const Matrix margin = d.asDiagonal() * (free - s.Omega) * d.asDiagonal();
       const double least = eigenvalues(margin)[0];
-      excess.see(std::max(0.0, -least), t.n, t.which);
+      excess.see(std::max(0.0, -least), 1, t.which);
       if (t.n == 1) CHECK(margin.norm() > 1e-3);  // a joint holds it, so the bound is not met with equality
     }
   });
-  check_within("Omega above the bound", excess, 0);
+  check_within("Omega above the bound", excess, 19);  // seen 4.0
 }

@@ -1,4 +1,5 @@
-// Every structured map against the plain matrix it stands for: exactly over fractions, to rounding over doubles.
+// Every structured map against the plain matrix it stands for: exactly over fractions, to rounding over
+// doubles.
 #include <limits>
 
 #include "recursion/arm.hpp"
@@ -13,7 +14,9 @@ namespace {
 
 // The stars of the paper are types: a forgotten or a superfluous one does not compile.
 template <class A, class B>
-concept Multipliable = requires(A a, B b) { a* b; };
+concept Multipliable = requires(A a, B b) {
+  a* b;
+};
 using D = double;
 static_assert(Multipliable<Shift<D>, Vec<Force, D>> && !Multipliable<Shift<D>, Vec<Motion, D>>);
 static_assert(Multipliable<Star<Shift<D>>, Vec<Motion, D>> && !Multipliable<Star<Shift<D>>, Vec<Force, D>>);
@@ -132,8 +135,9 @@ Plain<S> plain(const RigidInertia<S>& M) {
 }
 
 void same(const Plain<Q>& a, const Plain<Q>& b) { CHECK(a.value == b.value); }
-/// Every entry within 8 eps of the size of b, its sum of products over absolute values; worst seen 1.6 eps. (Such an entry
-/// is a sum of up to 14 products in a row, 6 + 6 of a triple product and 2 of psi, which bounds it by 14 eps a side.)
+/// Every entry within 8 eps of the size of b, its sum of products over absolute values; worst seen 1.6 eps.
+/// (Such an entry is a sum of up to 14 products in a row, 6 + 6 of a triple product and 2 of psi, which
+/// bounds it by 14 eps a side.)
 void same(const Plain<double>& a, const Plain<double>& b) {
   const auto allowed = 8 * std::numeric_limits<double>::epsilon() * b.size.array();
   INFO("got\n" << a.value << "\nplain\n" << b.value);
@@ -310,8 +314,8 @@ TEMPLATE_TEST_CASE("gains are columns of six numbers", "", double, Q) {
   });
 }
 
-TEMPLATE_TEST_CASE("psi = phi (1 - G H) acts and moves inertias and compliances as a 6 x 6 matrix", "", double,
-                   Q) {
+TEMPLATE_TEST_CASE("psi = phi (1 - G H) acts and moves inertias and compliances as a 6 x 6 matrix", "",
+                   double, Q) {
   using S = TestType;
   for_joints<S>([](Random& random, const Joint<S>& joint) {
     const auto& [H, h] = joint;
