@@ -10,7 +10,8 @@ namespace {
 // A pivot of L D L^T below this fraction of its diagonal entry has lost all but a few bits: rank loss in double.
 constexpr double pivot_floor = 1e-13;
 
-Vector6 to_vector6(const Vec<Motion, double>& v) {
+template <class Space>
+Vector6 to_vector6(const Vec<Space, double>& v) {
   Vector6 out;
   out << v.ang.x, v.ang.y, v.ang.z, v.lin.x, v.lin.y, v.lin.z;
   return out;
@@ -85,7 +86,7 @@ const Command& Controller::torque(double t, std::span<const double> q, std::span
     right[i] += seeded(Fault::law_command, command_.u[options_.rows[i]]);
   const Vec<Force, double> F_c = wrench(Omega.solve(right), options_.rows);  // (4): one solve on u + right side
   space_.torques(F_c, rigid_torque_);                                        // sweep 4
-  for (int i = 0; i < 6; ++i) command_.F[i] = component(F_c, i);
+  command_.F = to_vector6(F_c);
   for (std::size_t i = 0; i < T.size(); ++i) {
     T[i] = rigid_torque_[i];
     if (options_.compensate_friction && !friction_.empty()) T[i] += friction_torque(friction_[i], qd[i]);

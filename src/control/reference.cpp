@@ -176,12 +176,12 @@ std::unique_ptr<Path> make_path(const LissajousOptions& options) {
 TipReference tip_reference(const Path& path, const Pose& initial, double t) {
   const PathPoint point = path.at(t);
   const Vector3<double> r = point.y.head<3>(), rd = point.yd.head<3>(), rdd = point.ydd.head<3>();
-  const Matrix3<double> J = left_jacobian(r);
+  const RotationVector turn(r);
   TipReference out;
-  out.pose.R = exp_rotation(r) * initial.R;
+  out.pose.R = turn.turned(initial.R);
   out.pose.p = initial.p + point.y.tail<3>();
-  out.velocity << J * rd, point.yd.tail<3>();
-  out.acceleration << J * rdd + left_jacobian_rate(r, rd) * rd, point.ydd.tail<3>();
+  out.velocity << turn.left_jacobian(rd), point.yd.tail<3>();
+  out.acceleration << turn.left_jacobian(rdd) + turn.left_jacobian_rate(rd, rd), point.ydd.tail<3>();
   return out;
 }
 

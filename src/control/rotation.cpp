@@ -6,8 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "control/rotation_coefficients.hpp"
-
 namespace osculate {
 
 namespace {
@@ -40,9 +38,11 @@ constexpr auto series_c = alternating(3);
 constexpr auto series_b_slope = slope(series_b);
 constexpr auto series_c_slope = slope(series_c);
 
-double sum(const std::array<double, terms + 1>& series, double s) {
-  double out = series[terms - 1];
-  for (int k = terms - 2; k >= 0; --k) out = series[k] + s * out;
+/// The matrix of a linear map of vectors.
+template <class LinearMap>
+Matrix3<double> matrix_of(const LinearMap& map) {
+  Matrix3<double> out;
+  for (int j = 0; j < 3; ++j) out.col(j) = map(Vector3<double>::Unit(j));
   return out;
 }
 
@@ -51,10 +51,13 @@ double sum(const std::array<double, terms + 1>& series, double s) {
 RotationCoefficients rotation_coefficients(double s) {
   RotationCoefficients f;
   if (s <= switch_to_closed_form) {
-    f.b = sum(series_b, s);
-    f.c = sum(series_c, s);
-    f.b_slope = sum(series_b_slope, s);
-    f.c_slope = sum(series_c_slope, s);
+    f.b = f.c = f.b_slope = f.c_slope = 0;
+    for (int k = terms - 1; k >= 0; --k) {
+      f.b = series_b[k] + s * f.b;
+      f.c = series_c[k] + s * f.c;
+      f.b_slope = series_b_slope[k] + s * f.b_slope;
+      f.c_slope = series_c_slope[k] + s * f.c_slope;
+    }
     f.a = 1 - s * f.c;
     return f;
   }
@@ -81,10 +84,37 @@ Matrix3<double> cross_matrix(const Vector3<double>& a) {
   return out;
 }
 
+RotationVector::RotationVector(const Vector3<double>& r) : r_(r), f_(rotation_coefficients(r.squaredNorm())) {}
+
+Vector3<double> RotationVector::turned(const Vector3<double>& x) const {
+  const Vector3<double> rx = r_.cross(x);
+  return x + f_.a * rx + f_.b * r_.cross(rx);
+}
+
+Matrix3<double> RotationVector::turned(const Matrix3<double>& R) const {
+  Matrix3<double> out;
+  for (int j = 0; j < 3; ++j) out.col(j) = turned(Vector3<double>(R.col(j)));
+  return out;
+}
+
+Vector3<double> RotationVector::left_jacobian(const Vector3<double>& x) const {
+  const Vector3<double> rx = r_.cross(x);
+  return x + f_.b * rx + f_.c * r_.cross(rx);
+}
+
+Vector3<double> RotationVector::left_jacobian_inverse(const Vector3<double>& x) const {
+  const Vector3<double> rx = r_.cross(x);
+  return x - 0.5 * rx - (f_.b_slope / f_.b) * r_.cross(rx);  // see inverse_jacobian_coefficient
+}
+
+Vector3<double> RotationVector::left_jacobian_rate(const Vector3<double>& rd, const Vector3<double>& x) const {
+  const double sd = 2 * r_.dot(rd);
+  const Vector3<double> rx = r_.cross(x), rdx = rd.cross(x);
+  return f_.b_slope * sd * rx + f_.b * rdx + f_.c_slope * sd * r_.cross(rx) + f_.c * (rd.cross(rx) + r_.cross(rdx));
+}
+
 Matrix3<double> exp_rotation(const Vector3<double>& r) {
-  const auto f = rotation_coefficients(r.squaredNorm());
-  const Matrix3<double> r_cross = cross_matrix(r);
-  return Matrix3<double>::Identity() + f.a * r_cross + f.b * (r_cross * r_cross);
+  return RotationVector(r).turned(Matrix3<double>(Matrix3<double>::Identity()));
 }
 
 Vector3<double> log_rotation(const Matrix3<double>& R) {
@@ -99,24 +129,15 @@ Vector3<double> log_rotation(const Matrix3<double>& R) {
 }
 
 Matrix3<double> left_jacobian(const Vector3<double>& r) {
-  const auto f = rotation_coefficients(r.squaredNorm());
-  const Matrix3<double> r_cross = cross_matrix(r);
-  return Matrix3<double>::Identity() + f.b * r_cross + f.c * (r_cross * r_cross);
+  return matrix_of([at = RotationVector(r)](const Vector3<double>& x) { return at.left_jacobian(x); });
 }
 
 Matrix3<double> left_jacobian_inverse(const Vector3<double>& r) {
-  const double f = inverse_jacobian_coefficient(r.squaredNorm());
-  const Matrix3<double> r_cross = cross_matrix(r);
-  return Matrix3<double>::Identity() - 0.5 * r_cross + f * (r_cross * r_cross);
+  return matrix_of([at = RotationVector(r)](const Vector3<double>& x) { return at.left_jacobian_inverse(x); });
 }
 
 Matrix3<double> left_jacobian_rate(const Vector3<double>& r, const Vector3<double>& rd) {
-  const auto f = rotation_coefficients(r.squaredNorm());
-  const double sd = 2 * r.dot(rd);
-  const Matrix3<double> r_cross = cross_matrix(r);
-  const Matrix3<double> rd_cross = cross_matrix(rd);
-  return f.b_slope * sd * r_cross + f.b * rd_cross + f.c_slope * sd * (r_cross * r_cross) +
-         f.c * (rd_cross * r_cross + r_cross * rd_cross);
+  return matrix_of([at = RotationVector(r), &rd](const Vector3<double>& x) { return at.left_jacobian_rate(rd, x); });
 }
 
 Eigen::Vector4d quaternion(const Matrix3<double>& R, const Eigen::Vector4d& previous) {

@@ -60,8 +60,7 @@ struct TipFirst {
 /// (48), and for sliding joints 2 w(k+1) x v_rel.
 template <Field S>
 constexpr Vec<Motion, S> bias_acceleration(const Vec<Motion, S>& in, const Shift<S>& phi, const Vec<Motion, S>& joint) {
-  const Vec3<S> slide = cross(in.ang, joint.lin);
-  return {cross(in.ang, joint.ang), cross(in.ang, cross(in.ang, phi.l)) + slide + slide};
+  return {cross(in.ang, joint.ang), cross(in.ang, cross(in.ang, phi.l) + joint.lin + joint.lin)};
 }
 
 /// b(k) (47), gyroscopic and centrifugal force of a body about O(k).

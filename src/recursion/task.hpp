@@ -68,37 +68,67 @@ template <Field S>
 class TaskFactor {
  public:
   TaskFactor(const Compliance<S>& Omega, const TaskRows& rows) : m_(static_cast<int>(rows.size())) {
-    for (int j = 0; j < m_; ++j) {
-      for (int i = j; i < m_; ++i) {
-        S t = component(Omega, rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
-        for (int p = 0; p < j; ++p) t = t - scaled_[p][i] * L_[j][p];
-        scaled_[j][i] = t;
-      }
-      pivots_[j] = scaled_[j][j];
-      for (int i = j + 1; i < m_; ++i) L_[i][j] = scaled_[j][i] / pivots_[j];
-    }
+    const Square all = entries(Omega);
+    Square A{};  // rows from m_ on: those of the unit matrix, so that every loop below has a fixed length
+    for (std::size_t i = 0; i < 6; ++i) A[i][i] = S(1);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t j = 0; j <= i; ++j) A[i][j] = all[rows[i]][rows[j]];
+    factor(A);
   }
 
   int size() const { return m_; }
   /// Diagonal of D; entries from size() on are unused.
   const TaskVector<S>& pivots() const { return pivots_; }
 
-  /// Omega^-1 right. 
+  /// Omega^-1 right. Entries of `right` from size() on must be zero.
   TaskVector<S> solve(const TaskVector<S>& right) const {
     TaskVector<S> y = right;
-    for (int i = 0; i < m_; ++i)
+#pragma GCC unroll 6
+    for (int i = 0; i < 6; ++i)
+#pragma GCC unroll 6
       for (int p = 0; p < i; ++p) y[i] = y[i] - L_[i][p] * y[p];
-    for (int i = 0; i < m_; ++i) y[i] = y[i] / pivots_[i];
-    for (int i = m_ - 1; i >= 0; --i)
-      for (int p = i + 1; p < m_; ++p) y[i] = y[i] - L_[p][i] * y[p];
+#pragma GCC unroll 6
+    for (int i = 0; i < 6; ++i) y[i] = y[i] / pivots_[i];
+#pragma GCC unroll 6
+    for (int i = 5; i >= 0; --i)
+#pragma GCC unroll 6
+      for (int p = i + 1; p < 6; ++p) y[i] = y[i] - L_[p][i] * y[p];
     return y;
   }
 
  private:
+  using Square = std::array<TaskVector<S>, 6>;
+
+  static Square entries(const Compliance<S>& Omega) {
+    const auto& [J, B, A] = Omega;
+    return {{{J.xx, J.xy, J.xz, B.x.x, B.x.y, B.x.z},
+             {J.xy, J.yy, J.yz, B.y.x, B.y.y, B.y.z},
+             {J.xz, J.yz, J.zz, B.z.x, B.z.y, B.z.z},
+             {B.x.x, B.y.x, B.z.x, A.xx, A.xy, A.xz},
+             {B.x.y, B.y.y, B.z.y, A.xy, A.yy, A.yz},
+             {B.x.z, B.y.z, B.z.z, A.xz, A.yz, A.zz}}};
+  }
+
+  void factor(const Square& A) {
+    Square scaled;  // scaled[j][i] = L(i,j) d(j)
+#pragma GCC unroll 6
+    for (int j = 0; j < 6; ++j) {
+#pragma GCC unroll 6
+      for (int i = j; i < 6; ++i) {
+        S t = A[i][j];
+#pragma GCC unroll 6
+        for (int p = 0; p < j; ++p) t = t - scaled[p][i] * L_[j][p];
+        scaled[j][i] = t;
+      }
+      pivots_[j] = scaled[j][j];
+#pragma GCC unroll 6
+      for (int i = j + 1; i < 6; ++i) L_[i][j] = scaled[j][i] / pivots_[j];
+    }
+  }
+
   int m_;
-  std::array<TaskVector<S>, 6> L_{};       // unit lower triangular, strictly lower part
-  std::array<TaskVector<S>, 6> scaled_{};  // scaled_[j][i] = L(i,j) d(j)
-  TaskVector<S> pivots_{};
+  Square L_;  // unit lower triangular: the strictly lower part
+  TaskVector<S> pivots_;
 };
 
 }  // namespace osculate

@@ -215,7 +215,7 @@ constexpr Inertia<S> operator*(const PsiInertia<S>& left, const Star<Psi<S>>& ri
   const Vec<Force, S> PH = (left.P * H.T()).column;
   const Vec<Force, S> r = PH - G.column * (H * PH);
   const S half = S(1) / S(2);
-  return carried(phi, left.P - seeded(Fault::strip_inertia, twice_outer(G.column, (PH + r) * half)));
+  return carried(phi, less_twice_outer(left.P, G.column, seeded(Fault::strip_inertia, (PH + r) * half)));
 }
 
 /// psi* Omega psi: psi.T() * Omega waits for psi.
@@ -236,8 +236,8 @@ constexpr Compliance<S> operator*(const PsiCompliance<S>& left, const Psi<S>& ri
   const Vec<Motion, S> y = X * G.column;
   const S half = S(1) / S(2);
   const Vec<Motion, S> r = seeded(Fault::strip_compliance, y - H.T() * (dot(G.column, y) * half));
-  if (H.turns()) return {X.J - twice_outer(H.h, r.ang), X.B - outer(H.h, r.lin), X.A};
-  return {X.J, X.B - outer(r.ang, H.h), X.A - twice_outer(H.h, r.lin)};
+  if (H.turns()) return {less_twice_outer(X.J, H.h, r.ang), X.B - outer(H.h, r.lin), X.A};
+  return {X.J, X.B - outer(r.ang, H.h), less_twice_outer(X.A, H.h, r.lin)};
 }
 
 /// phi* Omega phi for the last step to the tip (60).

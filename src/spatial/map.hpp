@@ -100,10 +100,22 @@ template <class To, Field S>
 constexpr Symmetric<To, S> twice_outer(const Vec<To, S>& a, const Vec<To, S>& b) {
   return {twice_outer(a.ang, b.ang), outer(a.ang, b.lin) + outer(b.ang, a.lin), twice_outer(a.lin, b.lin)};
 }
+/// P - (a b^T + b a^T), entry by entry: keeps 21 numbers alive, not 42.
+template <class To, Field S>
+constexpr Symmetric<To, S> less_twice_outer(const Symmetric<To, S>& P, const Vec<To, S>& a, const Vec<To, S>& b) {
+  const auto row = [&](const Vec3<S>& r, const S& s, const S& t) {
+    return Vec3<S>{r.x - (s * b.lin.x + t * a.lin.x), r.y - (s * b.lin.y + t * a.lin.y),
+                   r.z - (s * b.lin.z + t * a.lin.z)};
+  };
+  return {less_twice_outer(P.J, a.ang, b.ang),
+          {row(P.B.x, a.ang.x, b.ang.x), row(P.B.y, a.ang.y, b.ang.y), row(P.B.z, a.ang.z, b.ang.z)},
+          less_twice_outer(P.A, a.lin, b.lin)};
+}
 /// s a a^T
 template <class To, Field S>
 constexpr Symmetric<To, S> scaled_square(const Vec<To, S>& a, const S& s) {
-  return {square(a.ang) * s, outer(a.ang, a.lin * s), square(a.lin) * s};
+  const Vec<To, S> b = a * s;
+  return {upper(outer(a.ang, b.ang)), outer(a.ang, b.lin), upper(outer(a.lin, b.lin))};
 }
 
 /// phi P phi*

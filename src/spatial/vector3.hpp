@@ -122,6 +122,12 @@ constexpr Sym3<S> twice_outer(const Vec3<S>& a, const Vec3<S>& b) {
   return {a.x * b.x + a.x * b.x, a.x * b.y + a.y * b.x, a.x * b.z + a.z * b.x,
           a.y * b.y + a.y * b.y, a.y * b.z + a.z * b.y, a.z * b.z + a.z * b.z};
 }
+/// M - (a b^T + b a^T), entry by entry
+template <Field S>
+constexpr Sym3<S> less_twice_outer(const Sym3<S>& M, const Vec3<S>& a, const Vec3<S>& b) {
+  return {M.xx - (a.x * b.x + a.x * b.x), M.xy - (a.x * b.y + a.y * b.x), M.xz - (a.x * b.z + a.z * b.x),
+          M.yy - (a.y * b.y + a.y * b.y), M.yz - (a.y * b.z + a.z * b.y), M.zz - (a.z * b.z + a.z * b.z)};
+}
 /// a a^T
 template <Field S>
 constexpr Sym3<S> square(const Vec3<S>& a) {
