@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "reference/dense.hpp"
+
 namespace osculate {
 
 namespace {
@@ -30,11 +32,10 @@ void set_armature(Chain<double>& chain, const std::vector<double>& armature) {
 }  // namespace
 
 void require_articulated(const Chain<double>& chain, const ArmDescription& description, std::span<const double> q) {
-  ForwardDynamics<double> arm(chain);
-  const std::vector<double> still(q.size(), 0.0);
-  std::vector<double> qdd(q.size());
-  arm.place(positions(chain, q));
-  arm.accelerations(still, still, {}, qdd);
+  // M = (1 + H phi K) D (1 + H phi K)* (49): eliminating the joints from the tip inwards leaves D(1), D(2), ... as pivots.
+  const VectorX<double> still = VectorX<double>::Zero(chain.n());
+  const MatrixX<double> M = dense::joint_space(chain, positions(chain, q), still).M;
+  const VectorX<double> D_of = dense::factor(MatrixX<double>(M.reverse())).D;
   double mass = 0, size = chain.p_tip.norm();
   for (const auto& link : chain.links) {
     mass += link.mass;
@@ -45,7 +46,7 @@ void require_articulated(const Chain<double>& chain, const ArmDescription& descr
     const bool turns = chain.links[i].type == JointType::revolute;
     // D below the rounding of the sums it is made of means that nothing outboard resists this joint.
     const double floor = 16 * chain.n() * std::numeric_limits<double>::epsilon() * mass * (turns ? size * size : 1);
-    const double D = arm.articulated_joint_inertia(k);
+    const double D = D_of[k - 1];
     if (D > floor) continue;
     std::string text = description.source + ": joint '" + description.joints[i].name + "': D(" + std::to_string(k) +
                        ") = " + std::to_string(D) + (turns ? " kg m^2" : " kg") +

@@ -31,7 +31,6 @@ class ForwardDynamics {
   const Vec<Motion, S>& tip_acceleration() const { return x_[0].alpha; }
   const Mat3<S>& tip_rotation() const { return arm_.R_tip; }
   const Vec3<S>& tip_position() const { return arm_.p_tip; }
-  const S& articulated_joint_inertia(int k) const { return x_[k].D.d; }
 
   /// Kinetic energy of links and rotors after accelerations(), J.
   S kinetic_energy(std::span<const S> qd) const {

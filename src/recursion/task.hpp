@@ -122,13 +122,13 @@ class TaskFactor {
       }
       pivots_[j] = scaled[j][j];
 #pragma GCC unroll 6
-      for (int i = j + 1; i < 6; ++i) L_[i][j] = scaled[j][i] / pivots_[j];
+      for (int i = j + 1; i < m_; ++i) L_[i][j] = scaled[j][i] / pivots_[j];  // the last pivot divides nothing
     }
   }
 
   int m_;
-  Square L_;  // unit lower triangular: the strictly lower part
-  TaskVector<S> pivots_;
+  Square L_{};  // unit lower triangular: the strictly lower part
+  TaskVector<S> pivots_{};
 };
 
 }  // namespace osculate

@@ -250,10 +250,19 @@ class Terms(InFolder):
             out = json.loads(done.stdout)
             self.assertEqual(len(out), 100)
             eps = 2.0**-52
-            omega = max(s["residual"]["Omega"] for s in out) / eps
-            ratios = [s["residual"][k] / (eps * s["cond_Omega"]) for s in out for k in ("Lambda", "g") if s["residual"][k] is not None]
-            print(f"{name}: Omega {omega:.1f} eps, Lambda and g {max(ratios):.3f} eps cond", flush=True)
-            self.assertLess(omega, 20)
+            worst = {"Omega": 0.0, "Lambda": 0.0, "g": 0.0}
+            for state in out:
+                for key, value in state["residual"].items():
+                    if key in state["bound"] and value is not None:
+                        self.assertLessEqual(value, state["bound"][key], f"{name} {key}")
+                for key in worst:  # plainly relative: largest difference over largest entry
+                    if state["dense"][key] is None:
+                        continue
+                    x, y = np.array(state["recursive"][key]), np.array(state["dense"][key])
+                    unit = eps * (1 if key == "Omega" else state["cond_Omega"])
+                    worst[key] = max(worst[key], np.abs(x - y).max() / np.abs(y).max() / unit)
+            print(f"{name}: Omega {worst['Omega']:.1f} eps, Lambda {worst['Lambda']:.3f} and g {worst['g']:.3f} eps cond", flush=True)
+            self.assertLess(worst["Omega"], 20)
 
     def test_info(self):
         done = call("info", PUMA, "--tip", "tool0")
@@ -272,6 +281,8 @@ class Faults(InFolder):
         "velocity_joint bias_acceleration bias_force tip_bias articulated_mass articulated_armature articulated_force "
         "innovation_bias compliance_joint compliance_bias tip_right_side tip_gravity gravity_tip torque_shift "
         "plant_acceleration plant_joint law_command").split()}
+    # On the PUMA the tip point lies on the axes of its wrist, so that a(0) = 0.
+    SEEDED.update(tip_bias="arm7_lissajous", tip_right_side="arm7_lissajous")
 
     def test_the_copy_without_a_fault_passes(self):
         self.assertEqual(call("verify", CIRCLE, "--set", "duration=0.1", program=FAULTY).returncode, 0)
@@ -289,7 +300,7 @@ class Faults(InFolder):
                         "integrator.max_steps=2000", program=FAULTY, env={"OSCULATE_FAULT": name}, timeout=300)
             failed = [line.split()[0] for line in done.stdout.splitlines() if "FAIL" in line]
             print(f"{name}: exit {done.returncode}, {' '.join(failed)}", flush=True)
-            self.assertIn(done.returncode, (1, 3), f"{name}: {done.stdout}{done.stderr}")
+            self.assertEqual(done.returncode, 1, f"{name}: {done.stdout}{done.stderr}")
             self.assertTrue(failed, f"{name}: no claim failed")
 
 

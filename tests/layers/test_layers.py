@@ -18,7 +18,7 @@ SEES = {
     "simulation": {"scalar", "spatial", "model", "recursion", "control"},
     "verification": {"scalar", "spatial", "model", "recursion", "reference", "control", "simulation"},
     "record": set(),
-    "experiment": {"scalar", "model", "recursion", "control", "simulation", "verification", "record", "spatial"},
+    "experiment": {"scalar", "model", "reference", "recursion", "control", "simulation", "verification", "record", "spatial"},
     "cli": {"scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment"},
 }
 # The dense side must not see fault.hpp either: a seeded fault may change no bit of it.
