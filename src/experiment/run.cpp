@@ -29,6 +29,7 @@ class Timed {
 };
 
 constexpr double shadow_factor = 100;     // the shadow's tolerances are the run's divided by this
+constexpr double energy_atol = 1e4;       // J per (rad/s): the energies are only checked, they must not shorten the steps
 constexpr double smallest_rtol = 1e-14;   // below this CVODE's own rounding governs
 constexpr double default_max_step = 0.1;  // s: a resting arm does not step across a short change of its reference
 
@@ -53,7 +54,7 @@ IntegratorOptions integrator_options(const IntegratorConfig& config, int joints,
   const auto n = static_cast<std::size_t>(joints);
   options.atol.assign(n, config.atol_position / tighter);
   options.atol.insert(options.atol.end(), n, config.atol_velocity / tighter);
-  options.atol.insert(options.atol.end(), 3, config.atol_velocity / tighter);  // work, dissipated, external work: J
+  options.atol.insert(options.atol.end(), 3, energy_atol * config.atol_velocity / tighter);
   return options;
 }
 

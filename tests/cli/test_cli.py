@@ -168,7 +168,8 @@ class ExitCodes(InFolder):
             self.assertGreater((quaternion[1:] * quaternion[:-1]).sum(axis=1).min(), 0.9)
             energy = f["energy/kinetic"][:] + f["energy/potential"][:]
             supplied = f["energy/work"][:] - f["energy/dissipated"][:]
-            self.assertLess(np.abs(energy - energy[0] - supplied).max(), 1e-7 * np.abs(supplied).max())
+            scale = (f["energy/kinetic"][:] + np.abs(f["energy/work"][:]) + f["energy/dissipated"][:]).max()
+            self.assertLess(np.abs(energy - energy[0] - supplied).max(), 1e-8 * scale)
             self.assertIn("<robot", f["provenance/model"][()].decode())
 
 

@@ -183,14 +183,14 @@ TEST_CASE("a jump of the reference restarts the integrator and the closed form")
   for (const char* reference : {"reference={type: step, offset: [0.1, 0, 0, 0, 0.02, 0.01], at: 0.4}",
                                 "reference={type: line, offset: [0, 0.2, 0, 0.03, 0, 0], start: 0.2, duration: 0.5}"}) {
     INFO(reference);
-    const RunResult r = run(circle({"duration=1", reference}), {});
+    const RunResult r = run(circle({"duration=1", "initial.q=[0, -0.8, 0.4, 0, 0.9, 0]", reference}), {});
     CHECK(r.exit == Exit::ok);
     CHECK(r.claims[index(Claim::analytic_response)].outcome == Outcome::pass);
     CHECK(r.worst_position < 1e-8);
   }
 }
 
-TEST_CASE("both methods and both arms of a pair of laws agree with the closed form") {
+TEST_CASE("the stiff method agrees with the closed form too") {
   const RunResult r = run(circle({"duration=0.5", "integrator.method=bdf", "integrator.rtol=1e-8", "integrator.atol=1e-10"}), {});
   CHECK(r.exit == Exit::ok);
   CHECK(r.worst_position < 1e-6);
