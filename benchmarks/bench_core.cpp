@@ -29,7 +29,8 @@ double best_time(const std::function<void()>& run) {
     constexpr int count = 2000;
     const auto start = std::chrono::steady_clock::now();
     for (int i = 0; i < count; ++i) run();
-    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / count);
+    best = std::min(best,
+                    std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / count);
   }
   return best;
 }
@@ -66,7 +67,8 @@ int main(int argc, char** argv) {
          plant.place(joints);
          plant.accelerations(qd, T, {}, qdd);
        }},
-      {"right_side", "one closed-loop right-hand side: reference, law, plant", [&] { loop.right_side(0.3, y.data(), yd.data()); }},
+      {"right_side", "one closed-loop right-hand side: reference, law, plant",
+       [&] { loop.right_side(0.3, y.data(), yd.data()); }},
       {"dense", "the dense side: M, C, G, J, Jdot qd, Omega, Lambda, c, g",
        [&] {
          const auto state = dense::state(chain, joints, rates);

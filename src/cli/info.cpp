@@ -11,11 +11,16 @@ namespace {
 
 const char* fate(LumpedLink::Why why) {
   switch (why) {
-    case LumpedLink::Why::fixed_on_chain: return "fixed on the chain, lumped into";
-    case LumpedLink::Why::side_fixed: return "side branch on fixed joints, lumped into";
-    case LumpedLink::Why::side_movable: return "side branch on a movable joint, frozen at zero, lumped into";
-    case LumpedLink::Why::dropped: return "side branch, dropped from";
-    case LumpedLink::Why::to_base: return "does not move, part of";
+    case LumpedLink::Why::fixed_on_chain:
+      return "fixed on the chain, lumped into";
+    case LumpedLink::Why::side_fixed:
+      return "side branch on fixed joints, lumped into";
+    case LumpedLink::Why::side_movable:
+      return "side branch on a movable joint, frozen at zero, lumped into";
+    case LumpedLink::Why::dropped:
+      return "side branch, dropped from";
+    case LumpedLink::Why::to_base:
+      return "does not move, part of";
   }
   return "";
 }
@@ -36,11 +41,15 @@ Exit print_info(const std::filesystem::path& model, const ChainChoice& choice, s
     const Link<double>& link = arm.chain.links[i];
     const bool turns = joint.type == JointType::revolute;
     total += link.mass;
-    out << std::setw(2) << i + 1 << "  " << joint.name << ": " << (joint.continuous ? "continuous" : turns ? "revolute" : "prismatic")
+    out << std::setw(2) << i + 1 << "  " << joint.name << ": "
+        << (joint.continuous ? "continuous"
+            : turns          ? "revolute"
+                             : "prismatic")
         << ", axis " << link.axis.transpose() << ", carries " << joint.link << "\n      mass " << link.mass
         << " kg, centre of mass " << link.com.transpose() << " m (with what is lumped into it)\n";
     if (joint.lower || joint.upper) {
-      out << "      limits " << joint.lower.value_or(0) << " to " << joint.upper.value_or(0) << (turns ? " rad" : " m");
+      out << "      limits " << joint.lower.value_or(0) << " to " << joint.upper.value_or(0)
+          << (turns ? " rad" : " m");
       if (joint.velocity) out << ", velocity " << *joint.velocity << (turns ? " rad/s" : " m/s");
       if (joint.effort) out << ", effort " << *joint.effort << (turns ? " N m" : " N");
       out << " (reported, not enforced)\n";

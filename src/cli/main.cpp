@@ -38,7 +38,8 @@ Exit graver(Exit a, Exit b) { return static_cast<int>(a) > static_cast<int>(b) ?
 void show_progress(double t, double duration, double wall) {
   const double speed = wall > 0 ? t / wall : 0;
   const double left = speed > 0 ? (duration - t) / speed : 0;
-  std::fprintf(stderr, "\r%.2f of %.2f s, %.1f times real time, %.0f s left \033[K", t, duration, speed, left);
+  std::fprintf(stderr, "\r%.2f of %.2f s, %.1f times real time, %.0f s left \033[K", t, duration, speed,
+               left);
 }
 
 void end_progress(bool shown) {
@@ -64,9 +65,7 @@ Exit guarded(const Work& work) {
     return complain(error, Exit::bad_input);
   } catch (const IntegrationStopped& error) {
     return complain(error, Exit::stopped);
-  } catch (const std::exception& error) {
-    return complain(error, Exit::stopped);
-  }
+  } catch (const std::exception& error) { return complain(error, Exit::stopped); }
 }
 
 struct RunArguments {
@@ -76,7 +75,8 @@ struct RunArguments {
   bool force = false, quiet = false;
 };
 
-Exit run_one(const std::string& file, const RunArguments& arguments, bool record, const std::string& command) {
+Exit run_one(const std::string& file, const RunArguments& arguments, bool record,
+             const std::string& command) {
   return guarded([&] {
     const Experiment experiment = read_experiment(file, arguments.sets);
     RunOptions options;
@@ -93,7 +93,8 @@ Exit run_one(const std::string& file, const RunArguments& arguments, bool record
     for (const auto& warning : result.warnings) std::cerr << "warning: " << warning << "\n";
     std::cout << report(experiment, result);
     if (record) std::cout << "recorded in " << options.output->string() << "\n";
-    if (result.exit != Exit::ok && !result.message.empty()) std::cerr << "osculate: " << result.message << "\n";
+    if (result.exit != Exit::ok && !result.message.empty())
+      std::cerr << "osculate: " << result.message << "\n";
     return result.exit;
   });
 }
@@ -131,7 +132,8 @@ int main(int argc, char** argv) {
   };
   CLI::App* run_command = app.add_subcommand("run", "run an experiment and record it");
   run_command->add_option("experiment", arguments.experiments, "EXPERIMENT.yaml")->required()->expected(1);
-  run_command->add_option("-o,--output", arguments.output, "result file; default: the experiment's name with .h5");
+  run_command->add_option("-o,--output", arguments.output,
+                          "result file; default: the experiment's name with .h5");
   run_command->add_flag("--force", arguments.force, "overwrite an existing result file");
   common(run_command);
   CLI::App* verify_command = app.add_subcommand("verify", "run experiments, record nothing but the verdict");
@@ -155,7 +157,8 @@ int main(int argc, char** argv) {
   auto* q_option = terms_command->add_option("--q", term.q, "joint positions, base to tip, comma separated");
   terms_command->add_option("--qd", term.qd, "joint velocities; default 0");
   terms_command->add_option("--u", term.u, "commanded tip acceleration on the task rows; default 0");
-  auto* states_option = terms_command->add_option("--states", states, "CSV of states: q, or q,qd, or q,qd,u in each line");
+  auto* states_option =
+      terms_command->add_option("--states", states, "CSV of states: q, or q,qd, or q,qd,u in each line");
   terms_command->add_option("--rows", term.rows, "task rows, for instance vx,vy,vz; default all six");
   terms_command->add_option("--gravity", gravity, "free-fall acceleration X,Y,Z, base frame, m/s^2");
   terms_command->add_flag("--json", term.json, "one JSON object (an array with --states)");

@@ -46,7 +46,8 @@ TaskRows parse_rows(const std::string& text) {
     int row = 0;
     while (row < 6 && item != row_names[row]) ++row;
     if (row == 6) throw ConfigError("--rows: '" + item + "' is no task row: choose from wx,wy,wz,vx,vy,vz");
-    if (std::find(rows.begin(), rows.end(), row) != rows.end()) throw ConfigError("--rows: '" + item + "' is given twice");
+    if (std::find(rows.begin(), rows.end(), row) != rows.end())
+      throw ConfigError("--rows: '" + item + "' is given twice");
     rows.push_back(row);
   }
   return rows;
@@ -60,7 +61,8 @@ struct State {
 State make_state(const std::vector<double>& q, const std::vector<double>& qd, const std::vector<double>& u,
                  const TaskRows& rows, const ArmDescription& arm, const std::string& where) {
   const auto n = static_cast<std::size_t>(arm.chain.n());
-  const auto count = [&](const std::vector<double>& list, std::size_t wanted, const char* name, const char* each) {
+  const auto count = [&](const std::vector<double>& list, std::size_t wanted, const char* name,
+                         const char* each) {
     if (list.size() != wanted)
       throw ConfigError(where + name + " has " + std::to_string(list.size()) + " entries, needs " +
                         std::to_string(wanted) + " (one for each " + each + ")");
@@ -75,7 +77,8 @@ State make_state(const std::vector<double>& q, const std::vector<double>& qd, co
   return state;
 }
 
-std::vector<State> read_states(const std::filesystem::path& file, const TaskRows& rows, const ArmDescription& arm) {
+std::vector<State> read_states(const std::filesystem::path& file, const TaskRows& rows,
+                               const ArmDescription& arm) {
   std::ifstream in(file);
   if (!in) throw ConfigError(file.string() + ": cannot be read: check the name and the permissions");
   const auto n = static_cast<std::size_t>(arm.chain.n());
@@ -90,8 +93,9 @@ std::vector<State> read_states(const std::filesystem::path& file, const TaskRows
     const std::vector<double> all = numbers(line, where + "state");
     const std::size_t m = rows.size();
     if (all.size() != n && all.size() != 2 * n && all.size() != 2 * n + m)
-      throw ConfigError(where + "a state has " + std::to_string(n) + " numbers (q), " + std::to_string(2 * n) +
-                        " (q, qd) or " + std::to_string(2 * n + m) + " (q, qd, u), this line " + std::to_string(all.size()));
+      throw ConfigError(where + "a state has " + std::to_string(n) + " numbers (q), " +
+                        std::to_string(2 * n) + " (q, qd) or " + std::to_string(2 * n + m) +
+                        " (q, qd, u), this line " + std::to_string(all.size()));
     const auto part = [&all](std::size_t from, std::size_t to) {
       return from < all.size() ? std::vector<double>(all.begin() + static_cast<std::ptrdiff_t>(from),
                                                      all.begin() + static_cast<std::ptrdiff_t>(to))
@@ -134,20 +138,19 @@ Evaluation evaluate(const ArmDescription& arm, const State& state, const TaskRow
   if (out.rank == static_cast<int>(rows.size())) {
     try {
       out.evidence = judge(Law::operational_space);
-    } catch (const IntegrationStopped&) {
-      out.evidence.terms = {};
-    }
+    } catch (const IntegrationStopped&) { out.evidence.terms = {}; }
   } else {
     out.evidence.terms = {};
   }
   out.residuals = assess(out.evidence);
   out.condition = scaled_condition(out.evidence.task.Omega);
   if (!out.regular())
-    out.warnings.push_back("Omega has rank " + std::to_string(out.rank) + " of " + std::to_string(rows.size()) +
-                           ": Lambda, c, g, F, T and qdd do not exist" +
-                           (arm.chain.n() < static_cast<int>(rows.size())
-                                ? "; with " + std::to_string(arm.chain.n()) + " joints choose fewer rows with --rows"
-                                : "; the arm is singular here"));
+    out.warnings.push_back(
+        "Omega has rank " + std::to_string(out.rank) + " of " + std::to_string(rows.size()) +
+        ": Lambda, c, g, F, T and qdd do not exist" +
+        (arm.chain.n() < static_cast<int>(rows.size())
+             ? "; with " + std::to_string(arm.chain.n()) + " joints choose fewer rows with --rows"
+             : "; the arm is singular here"));
   return out;
 }
 
@@ -287,7 +290,8 @@ void write_text(std::ostream& out, const ArmDescription& arm, const Evaluation& 
 
 Vector3<double> parse_vector3(const std::string& text, const std::string& what) {
   const std::vector<double> values = numbers(text, what);
-  if (values.size() != 3) throw ConfigError(what + " has " + std::to_string(values.size()) + " entries, needs 3: X,Y,Z");
+  if (values.size() != 3)
+    throw ConfigError(what + " has " + std::to_string(values.size()) + " entries, needs 3: X,Y,Z");
   return {values[0], values[1], values[2]};
 }
 
@@ -301,7 +305,8 @@ Exit terms(const TermsOptions& options, std::ostream& out, std::ostream& message
     const auto list = [](const std::string& text, const char* name) {
       return text.empty() ? std::vector<double>() : numbers(text, name);
     };
-    states.push_back(make_state(list(options.q, "--q"), list(options.qd, "--qd"), list(options.u, "--u"), rows, arm, "--"));
+    states.push_back(make_state(list(options.q, "--q"), list(options.qd, "--qd"), list(options.u, "--u"),
+                                rows, arm, "--"));
   }
   for (const auto& w : arm.warnings) messages << "warning: " << w << "\n";
 
@@ -317,7 +322,8 @@ Exit terms(const TermsOptions& options, std::ostream& out, std::ostream& message
     singular += e.regular() ? 0 : 1;
     for (std::size_t i = 0; i < judged.size(); ++i) {
       const Residual& r = residual(e, judged[i].second);
-      if (r.applies && r.bound <= undecided_bound && r.value * worst[i].bound >= worst[i].value * r.bound) worst[i] = r;
+      if (r.applies && r.bound <= undecided_bound && r.value * worst[i].bound >= worst[i].value * r.bound)
+        worst[i] = r;
     }
     if (options.json) {
       write_json(json, arm, e, rows);
@@ -331,10 +337,12 @@ Exit terms(const TermsOptions& options, std::ostream& out, std::ostream& message
   if (options.json) {
     out << "\n";
   } else {
-    out << states.size() << " states, " << singular << " without full rank; worst residual against the dense formulas, and its bound\n";
+    out << states.size() << " states, " << singular
+        << " without full rank; worst residual against the dense formulas, and its bound\n";
     for (std::size_t i = 0; i < judged.size(); ++i) {
       char line[96];
-      std::snprintf(line, sizeof line, "  %-8s %9.2e  %9.2e\n", judged[i].first, worst[i].value, worst[i].bound);
+      std::snprintf(line, sizeof line, "  %-8s %9.2e  %9.2e\n", judged[i].first, worst[i].value,
+                    worst[i].bound);
       out << line;
     }
   }

@@ -7,7 +7,8 @@ namespace osculate {
 
 namespace {
 
-// A pivot of L D L^T below this fraction of its diagonal entry has lost all but a few bits: rank loss in double.
+// A pivot of L D L^T below this fraction of its diagonal entry has lost all but a few bits: rank loss in
+// double.
 constexpr double pivot_floor = 1e-13;
 
 template <class Space>
@@ -32,8 +33,8 @@ constexpr const char* row_names[] = {"wx", "wy", "wz", "vx", "vy", "vz"};
 
 }  // namespace
 
-Controller::Controller(const Chain<double>& model, std::vector<JointFriction> friction, const LawOptions& options,
-                       std::shared_ptr<const Path> path, const Pose& initial)
+Controller::Controller(const Chain<double>& model, std::vector<JointFriction> friction,
+                       const LawOptions& options, std::shared_ptr<const Path> path, const Pose& initial)
     : model_(model),
       friction_(std::move(friction)),
       options_(options),
@@ -55,7 +56,8 @@ int Controller::lost_row(const TaskFactor<double>& Omega) const {
   return -1;
 }
 
-const Command& Controller::torque(double t, std::span<const double> q, std::span<const double> qd, std::span<double> T) {
+const Command& Controller::torque(double t, std::span<const double> q, std::span<const double> qd,
+                                  std::span<double> T) {
   set_positions(model_, q, joints_);
   space_.place(joints_);
   for (std::size_t i = 0; i < T0_.size(); ++i) T0_[i] = -options_.null_space_damping * qd[i];
@@ -73,9 +75,9 @@ const Command& Controller::torque(double t, std::span<const double> q, std::span
   }
   const auto& [e, ed] = command_.error;
   const Vector6 edd = -options_.damping.cwiseProduct(ed) - options_.stiffness.cwiseProduct(e);
-  command_.u = options_.constant_command
-                   ? *options_.constant_command
-                   : pose_command(command_.reference, command_.tip, command_.tip_velocity, command_.error, edd);
+  command_.u = options_.constant_command ? *options_.constant_command
+                                         : pose_command(command_.reference, command_.tip,
+                                                        command_.tip_velocity, command_.error, edd);
 
   const TaskFactor<double> Omega = factor();
   if (const int row = lost_row(Omega); row >= 0)
@@ -84,8 +86,9 @@ const Command& Controller::torque(double t, std::span<const double> q, std::span
   TaskVector<double> right = restricted(space_.right_side(), options_.rows);
   for (std::size_t i = 0; i < options_.rows.size(); ++i)
     right[i] += seeded(Fault::law_command, command_.u[options_.rows[i]]);
-  const Vec<Force, double> F_c = wrench(Omega.solve(right), options_.rows);  // (4): one solve on u + right side
-  space_.torques(F_c, rigid_torque_);                                        // sweep 4
+  const Vec<Force, double> F_c =
+      wrench(Omega.solve(right), options_.rows);  // (4): one solve on u + right side
+  space_.torques(F_c, rigid_torque_);             // sweep 4
   command_.F = to_vector6(F_c);
   for (std::size_t i = 0; i < T.size(); ++i) {
     T[i] = rigid_torque_[i];
@@ -96,7 +99,9 @@ const Command& Controller::torque(double t, std::span<const double> q, std::span
 
 RecursiveTerms Controller::terms(std::span<const double> qd) {
   const auto m = static_cast<Eigen::Index>(options_.rows.size());
-  const auto as_vector = [m](const TaskVector<double>& v) { return VectorX<double>(Eigen::Map<const VectorX<double>>(v.data(), m)); };
+  const auto as_vector = [m](const TaskVector<double>& v) {
+    return VectorX<double>(Eigen::Map<const VectorX<double>>(v.data(), m));
+  };
   RecursiveTerms out;
   out.Omega.resize(6, 6);
   for (int i = 0; i < 6; ++i)

@@ -16,7 +16,8 @@ namespace osculate {
 
 enum class Law { operational_space /* (4) by the recursions */, free /* no torque: the free swing */ };
 
-/// Omega(0) restricted to the task rows is not positive definite to working accuracy: no finite F gives the command.
+/// Omega(0) restricted to the task rows is not positive definite to working accuracy: no finite F gives the
+/// command.
 struct SingularTask : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -37,27 +38,31 @@ struct Command {
   Pose tip;
   Vector6 tip_velocity = Vector6::Zero();
   PoseError error;
-  Vector6 u = Vector6::Zero();  // commanded tip acceleration; rows that the task does not control are meaningless
+  Vector6 u =
+      Vector6::Zero();  // commanded tip acceleration; rows that the task does not control are meaningless
   Vector6 F = Vector6::Zero();  // F_c(0); zero on rows that the task does not control
 };
 
 /// The operational-space terms of the model as the recursions give them, on the task rows (m <= 6).
 struct RecursiveTerms {
-  MatrixX<double> Omega;          // 6 x 6, all rows
-  MatrixX<double> Lambda;         // m x m
-  VectorX<double> c, g, c_plus_g; // m
+  MatrixX<double> Omega;           // 6 x 6, all rows
+  MatrixX<double> Lambda;          // m x m
+  VectorX<double> c, g, c_plus_g;  // m
 };
 
 class Controller {
  public:
-  /// `model` is what the controller believes of the arm. `initial` is the tip pose that the path is relative to.
+  /// `model` is what the controller believes of the arm. `initial` is the tip pose that the path is relative
+  /// to.
   Controller(const Chain<double>& model, std::vector<JointFriction> friction, const LawOptions& options,
              std::shared_ptr<const Path> path, const Pose& initial);
 
-  /// Joint torques, base to tip. Throws SingularTask. The result refers to this object and lasts until the next call.
+  /// Joint torques, base to tip. Throws SingularTask. The result refers to this object and lasts until the
+  /// next call.
   const Command& torque(double t, std::span<const double> q, std::span<const double> qd, std::span<double> T);
 
-  /// The terms at the state of the last torque(), each by its own recursion; Omega alone where the arm is singular.
+  /// The terms at the state of the last torque(), each by its own recursion; Omega alone where the arm is
+  /// singular.
   RecursiveTerms terms(std::span<const double> qd);
 
   /// The result of the last torque().

@@ -18,7 +18,8 @@ PoseError pose_error(const TipReference& reference, const Pose& tip, const Vecto
   const Vector3<double> delta = reference.velocity.head<3>() - E * tip_velocity.head<3>();
   PoseError out;
   out.e << e_R, reference.pose.p - tip.p;
-  out.ed << RotationVector(e_R).left_jacobian_inverse(delta), reference.velocity.tail<3>() - tip_velocity.tail<3>();
+  out.ed << RotationVector(e_R).left_jacobian_inverse(delta),
+      reference.velocity.tail<3>() - tip_velocity.tail<3>();
   return out;
 }
 
@@ -30,7 +31,8 @@ Vector6 pose_command(const TipReference& reference, const Pose& tip, const Vecto
   const RotationVector error_turn(e_R);
   const Vector3<double> turned = E * tip_velocity.head<3>();
   const Vector3<double> delta = reference.velocity.head<3>() - turned;
-  const Vector3<double> deltad = error_turn.left_jacobian(edd.head<3>()) + error_turn.left_jacobian_rate(e_Rd, e_Rd);
+  const Vector3<double> deltad =
+      error_turn.left_jacobian(edd.head<3>()) + error_turn.left_jacobian_rate(e_Rd, e_Rd);
   Vector6 u;
   u << E.transpose() * (reference.acceleration.head<3>() - delta.cross(turned) - deltad),
       reference.acceleration.tail<3>() - edd.tail<3>();

@@ -20,13 +20,14 @@ struct Pose {
   Vector3<double> p = Vector3<double>::Zero();  // m
 };
 
-/// Offset from the initial tip pose and its time derivatives. Rows 0..2: rotation vector r (rad, base axes), meaning
-/// R(t) = exp(r) R(0); rows 3..5: displacement (m, base axes), p(t) = p(0) + y[3..5].
+/// Offset from the initial tip pose and its time derivatives. Rows 0..2: rotation vector r (rad, base axes),
+/// meaning R(t) = exp(r) R(0); rows 3..5: displacement (m, base axes), p(t) = p(0) + y[3..5].
 struct PathPoint {
   Vector6 y = Vector6::Zero(), yd = Vector6::Zero(), ydd = Vector6::Zero();
 };
 
-/// Where the tip should be, and how it should move there: base frame, about the tip point, angular part first.
+/// Where the tip should be, and how it should move there: base frame, about the tip point, angular part
+/// first.
 struct TipReference {
   Pose pose;
   Vector6 velocity = Vector6::Zero();      // rad/s, m/s
@@ -38,7 +39,8 @@ class Path {
  public:
   virtual ~Path() = default;
   virtual PathPoint at(double t) const = 0;
-  /// Times inside (0, duration) where a derivative up to the third jumps; the integrator stops and restarts there.
+  /// Times inside (0, duration) where a derivative up to the third jumps; the integrator stops and restarts
+  /// there.
   virtual std::vector<double> breakpoints() const { return {}; }
   /// True for each of the six rows that ever leaves zero.
   virtual std::array<bool, 6> commanded() const = 0;
@@ -59,15 +61,17 @@ struct LineOptions {
   double duration = 1;               // s; minimum-jerk timing (quintic), at rest before and after
 };
 struct CircleOptions {
-  double radius = 0.1;       // m
-  double period = 2;         // s
-  std::string plane = "yz";  // two of x, y, z: the motion starts along the second axis, towards +; the centre lies
-                             // at distance `radius` along the NEGATIVE first axis from the initial tip position
+  double radius = 0.1;  // m
+  double period = 2;    // s
+  std::string plane =
+      "yz";  // two of x, y, z: the motion starts along the second axis, towards +; the centre lies
+             // at distance `radius` along the NEGATIVE first axis from the initial tip position
 };
 struct LissajousOptions {
   Vector6 amplitude = Vector6::Zero();  // rad, m
   Vector6 period = Vector6::Ones();     // s
-  Vector6 phase = Vector6::Zero();      // rad; y_i = amplitude_i (sin(2 pi t / period_i + phase_i) - sin(phase_i))
+  Vector6 phase =
+      Vector6::Zero();  // rad; y_i = amplitude_i (sin(2 pi t / period_i + phase_i) - sin(phase_i))
 };
 struct WaypointsOptions {
   std::filesystem::path file;  // CSV with a header: t,x,y,z or t,x,y,z,qw,qx,qy,qz (absolute, base frame)
@@ -78,8 +82,8 @@ std::unique_ptr<Path> make_path(const StepOptions&);
 std::unique_ptr<Path> make_path(const LineOptions&);
 std::unique_ptr<Path> make_path(const CircleOptions&);
 std::unique_ptr<Path> make_path(const LissajousOptions&);
-/// C^2 cubic splines through the waypoints, at rest at both ends, holding the last point afterwards. The first
-/// waypoint may differ from `initial`: the error then decays as the gains say.
+/// C^2 cubic splines through the waypoints, at rest at both ends, holding the last point afterwards. The
+/// first waypoint may differ from `initial`: the error then decays as the gains say.
 std::unique_ptr<Path> make_path(const WaypointsOptions&, const Pose& initial);
 
 /// The tip's reference motion at time t: the path applied to the initial pose.

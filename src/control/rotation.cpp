@@ -84,7 +84,8 @@ Matrix3<double> cross_matrix(const Vector3<double>& a) {
   return out;
 }
 
-RotationVector::RotationVector(const Vector3<double>& r) : r_(r), f_(rotation_coefficients(r.squaredNorm())) {}
+RotationVector::RotationVector(const Vector3<double>& r)
+    : r_(r), f_(rotation_coefficients(r.squaredNorm())) {}
 
 Vector3<double> RotationVector::turned(const Vector3<double>& x) const {
   const Vector3<double> rx = r_.cross(x);
@@ -107,10 +108,12 @@ Vector3<double> RotationVector::left_jacobian_inverse(const Vector3<double>& x) 
   return x - 0.5 * rx - (f_.b_slope / f_.b) * r_.cross(rx);  // see inverse_jacobian_coefficient
 }
 
-Vector3<double> RotationVector::left_jacobian_rate(const Vector3<double>& rd, const Vector3<double>& x) const {
+Vector3<double> RotationVector::left_jacobian_rate(const Vector3<double>& rd,
+                                                   const Vector3<double>& x) const {
   const double sd = 2 * r_.dot(rd);
   const Vector3<double> rx = r_.cross(x), rdx = rd.cross(x);
-  return f_.b_slope * sd * rx + f_.b * rdx + f_.c_slope * sd * r_.cross(rx) + f_.c * (rd.cross(rx) + r_.cross(rdx));
+  return f_.b_slope * sd * rx + f_.b * rdx + f_.c_slope * sd * r_.cross(rx) +
+         f_.c * (rd.cross(rx) + r_.cross(rdx));
 }
 
 Matrix3<double> exp_rotation(const Vector3<double>& r) {
@@ -133,11 +136,13 @@ Matrix3<double> left_jacobian(const Vector3<double>& r) {
 }
 
 Matrix3<double> left_jacobian_inverse(const Vector3<double>& r) {
-  return matrix_of([at = RotationVector(r)](const Vector3<double>& x) { return at.left_jacobian_inverse(x); });
+  return matrix_of(
+      [at = RotationVector(r)](const Vector3<double>& x) { return at.left_jacobian_inverse(x); });
 }
 
 Matrix3<double> left_jacobian_rate(const Vector3<double>& r, const Vector3<double>& rd) {
-  return matrix_of([at = RotationVector(r), &rd](const Vector3<double>& x) { return at.left_jacobian_rate(rd, x); });
+  return matrix_of(
+      [at = RotationVector(r), &rd](const Vector3<double>& x) { return at.left_jacobian_rate(rd, x); });
 }
 
 Eigen::Vector4d quaternion(const Matrix3<double>& R, const Eigen::Vector4d& previous) {

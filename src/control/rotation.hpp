@@ -7,8 +7,8 @@
 
 namespace osculate {
 
-/// Everything about one rotation vector r = r(t), |r| < 2 pi, with the coefficients computed once. Applies maps to vectors;
-/// the functions below give the same maps as matrices.
+/// Everything about one rotation vector r = r(t), |r| < 2 pi, with the coefficients computed once. Applies
+/// maps to vectors; the functions below give the same maps as matrices.
 class RotationVector {
  public:
   explicit RotationVector(const Vector3<double>& r);
@@ -47,7 +47,9 @@ Matrix3<double> left_jacobian_inverse(const Vector3<double>& r);
 /// d/dt J_l(r(t)) for the rate rd.
 Matrix3<double> left_jacobian_rate(const Vector3<double>& r, const Vector3<double>& rd);
 
-/// Rotation matrix to unit quaternion w, x, y, z; the sign is the one nearer to `previous` (w >= 0 if that is zero).
-Eigen::Vector4d quaternion(const Matrix3<double>& R, const Eigen::Vector4d& previous = Eigen::Vector4d::Zero());
+/// Rotation matrix to unit quaternion w, x, y, z; the sign is the one nearer to `previous` (w >= 0 if that is
+/// zero).
+Eigen::Vector4d quaternion(const Matrix3<double>& R,
+                           const Eigen::Vector4d& previous = Eigen::Vector4d::Zero());
 
 }  // namespace osculate

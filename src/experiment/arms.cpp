@@ -31,8 +31,10 @@ void set_armature(Chain<double>& chain, const std::vector<double>& armature) {
 
 }  // namespace
 
-void require_articulated(const Chain<double>& chain, const ArmDescription& description, std::span<const double> q) {
-  // M = (1 + H phi K) D (1 + H phi K)* (49): eliminating the joints from the tip inwards leaves D(1), D(2), ... as pivots.
+void require_articulated(const Chain<double>& chain, const ArmDescription& description,
+                         std::span<const double> q) {
+  // M = (1 + H phi K) D (1 + H phi K)* (49): eliminating the joints from the tip inwards leaves D(1), D(2),
+  // ... as pivots.
   const VectorX<double> still = VectorX<double>::Zero(chain.n());
   const MatrixX<double> M = dense::joint_space(chain, positions(chain, q), still).M;
   const VectorX<double> D_of = dense::factor(MatrixX<double>(M.reverse())).D;
@@ -45,12 +47,14 @@ void require_articulated(const Chain<double>& chain, const ArmDescription& descr
     const auto i = static_cast<std::size_t>(chain.n() - k);
     const bool turns = chain.links[i].type == JointType::revolute;
     // D below the rounding of the sums it is made of means that nothing outboard resists this joint.
-    const double floor = 16 * chain.n() * std::numeric_limits<double>::epsilon() * mass * (turns ? size * size : 1);
+    const double floor =
+        16 * chain.n() * std::numeric_limits<double>::epsilon() * mass * (turns ? size * size : 1);
     const double D = D_of[k - 1];
     if (D > floor) continue;
-    std::string text = description.source + ": joint '" + description.joints[i].name + "': D(" + std::to_string(k) +
-                       ") = " + std::to_string(D) + (turns ? " kg m^2" : " kg") +
-                       ": links outboard of it have no inertia about its axis. Give them inertia, or armature to the joint.";
+    std::string text =
+        description.source + ": joint '" + description.joints[i].name + "': D(" + std::to_string(k) +
+        ") = " + std::to_string(D) + (turns ? " kg m^2" : " kg") +
+        ": links outboard of it have no inertia about its axis. Give them inertia, or armature to the joint.";
     for (const auto& concern : description.inertia_concerns) text += "\n  " + concern;
     throw ModelError(text);
   }
@@ -77,7 +81,8 @@ Arms make_arms(const Experiment& experiment) {
   arms.plant.friction = config.friction.value_or(arms.friction);
   arms.plant.tip_force = config.tip_force;
 
-  for (const auto* chain : {&arms.model, &arms.plant.chain}) require_articulated(*chain, arms.description, experiment.q);
+  for (const auto* chain : {&arms.model, &arms.plant.chain})
+    require_articulated(*chain, arms.description, experiment.q);
   return arms;
 }
 

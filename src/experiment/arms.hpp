@@ -14,11 +14,14 @@ struct Arms {
   std::vector<std::string> warnings;
 };
 
-/// Reads the model file, checks the experiment against it and builds both arms. Throws ModelError or ConfigError.
+/// Reads the model file, checks the experiment against it and builds both arms. Throws ModelError or
+/// ConfigError.
 Arms make_arms(const Experiment& experiment);
 
-/// Throws ModelError if the articulated inertia D(k) about some joint is not positive at q (base to tip): then the
-/// links outboard of it have no inertia about its axis, and the file's own concerns about link inertias are quoted.
-void require_articulated(const Chain<double>& chain, const ArmDescription& description, std::span<const double> q);
+/// Throws ModelError if the articulated inertia D(k) about some joint is not positive at q (base to tip):
+/// then the links outboard of it have no inertia about its axis, and the file's own concerns about link
+/// inertias are quoted.
+void require_articulated(const Chain<double>& chain, const ArmDescription& description,
+                         std::span<const double> q);
 
 }  // namespace osculate

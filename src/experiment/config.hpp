@@ -21,22 +21,23 @@ namespace osculate {
 /// Names of the six task rows, angular part first.
 inline constexpr std::array<const char*, 6> task_row_names{"wx", "wy", "wz", "vx", "vy", "vz"};
 
-/// A configuration that cannot be used. The message starts with file:line:column: and names key, value and remedy.
+/// A configuration that cannot be used. The message starts with file:line:column: and names key, value and
+/// remedy.
 struct ConfigError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 /// Body added to the tip link of the true arm.
 struct Payload {
-  double mass = 0;                                       // kg, >= 0
-  Vector3<double> com = Vector3<double>::Zero();         // m, tip frame
-  Matrix3<double> inertia = Matrix3<double>::Zero();     // kg m^2, about its centre of mass, tip axes
+  double mass = 0;                                    // kg, >= 0
+  Vector3<double> com = Vector3<double>::Zero();      // m, tip frame
+  Matrix3<double> inertia = Matrix3<double>::Zero();  // kg m^2, about its centre of mass, tip axes
 };
 
 struct ModelConfig {
-  std::filesystem::path urdf;         // absolute after reading
-  ChainChoice choice;                 // keys: base, tip, gravity, side_branches
-  std::vector<double> armature;       // kg m^2 or kg for each joint, base to tip; empty: none
+  std::filesystem::path urdf;           // absolute after reading
+  ChainChoice choice;                   // keys: base, tip, gravity, side_branches
+  std::vector<double> armature;         // kg m^2 or kg for each joint, base to tip; empty: none
   std::vector<JointFriction> friction;  // for each joint; empty: none
 };
 
@@ -45,7 +46,7 @@ struct PlantConfig {
   Payload payload;
   std::optional<std::vector<double>> armature;
   std::optional<std::vector<JointFriction>> friction;
-  double mass_scale = 1;  // every link's mass and inertia times this, > 0
+  double mass_scale = 1;                // every link's mass and inertia times this, > 0
   Vector6 tip_force = Vector6::Zero();  // N m, N: constant wrench on the tip, base axes, about the tip point
 };
 
@@ -54,20 +55,21 @@ using ReferenceConfig =
 
 struct ControllerConfig {
   Law law = Law::operational_space;
-  std::vector<int> rows{0, 1, 2, 3, 4, 5};  // controlled task rows; YAML names wx wy wz vx vy vz
+  std::vector<int> rows{0, 1, 2, 3, 4, 5};     // controlled task rows; YAML names wx wy wz vx vy vz
   Vector6 stiffness = Vector6::Constant(100);  // 1/s^2 for each axis, >= 0; YAML: a number or six
   Vector6 damping = Vector6::Constant(20);     // 1/s for each axis, >= 0
-  double null_space_damping = 0;  // N m s/rad or N s/m: T0 = -damping qd, projected into the null space; redundant arms
+  double null_space_damping =
+      0;  // N m s/rad or N s/m: T0 = -damping qd, projected into the null space; redundant arms
   bool compensate_friction = true;  // add the model's joint friction to the torque
 };
 
 struct IntegratorConfig {
   Method method = Method::adams;
-  double rtol = 1e-10;          // 1e-14 <= rtol < 1
+  double rtol = 1e-10;           // 1e-14 <= rtol < 1
   double atol_position = 1e-12;  // rad or m; YAML atol: one number, or {position: , velocity: }
   double atol_velocity = 1e-12;  // rad/s or m/s
-  double max_step = 0;          // s; 0: chosen by the program
-  long max_steps = 50'000'000;  // a run that needs more stops early
+  double max_step = 0;           // s; 0: chosen by the program
+  long max_steps = 50'000'000;   // a run that needs more stops early
 };
 
 struct OutputConfig {
@@ -75,10 +77,10 @@ struct OutputConfig {
 };
 
 struct VerifyConfig {
-  long every = 1;             // check every N-th accepted step; YAML `step` means 1
+  long every = 1;  // check every N-th accepted step; YAML `step` means 1
   enum class Record { all, worst, every } record = Record::all;
-  long record_every = 1;      // with Record::every; YAML `record: N`
-  bool shadow = true;         // shadow run at tolerance / 100: the global error estimate
+  long record_every = 1;  // with Record::every; YAML `record: N`
+  bool shadow = true;     // shadow run at tolerance / 100: the global error estimate
 };
 
 /// Exit code 0 means exactly this came true. Empty: every claim passes and the run completes.
@@ -100,14 +102,16 @@ struct Experiment {
   OutputConfig output;
   VerifyConfig verify;
   ExpectConfig expect;
-  std::map<std::string, std::string> places;  // key path -> file:line:column, for the messages of check_against
+  std::map<std::string, std::string>
+      places;  // key path -> file:line:column, for the messages of check_against
 };
 
-/// Reads a file; `overrides` are "key.path=value" of --set, values in YAML. Lengths that depend on the arm (q, armature,
-/// friction) are checked by `check_against`.
+/// Reads a file; `overrides` are "key.path=value" of --set, values in YAML. Lengths that depend on the arm
+/// (q, armature, friction) are checked by `check_against`.
 Experiment read_experiment(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 /// The same from text; relative paths are relative to `directory`.
-Experiment parse_experiment(const std::string& text, const std::string& source, const std::filesystem::path& directory,
+Experiment parse_experiment(const std::string& text, const std::string& source,
+                            const std::filesystem::path& directory,
                             const std::vector<std::string>& overrides = {});
 /// Throws ConfigError where a list does not have one entry for each joint, a row is out of reach, ...
 void check_against(const Experiment& experiment, const ArmDescription& arm);

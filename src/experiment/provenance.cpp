@@ -28,8 +28,8 @@ std::string cpu_features() {
     if (line.rfind("flags", 0) != 0 && line.rfind("Features", 0) != 0) continue;
     std::istringstream words(line.substr(line.find(':') + 1));
     for (std::string word; words >> word;)
-      if (word == "sse4_2" || word == "avx" || word == "avx2" || word == "fma" || word.rfind("avx512f", 0) == 0 ||
-          word == "asimd")
+      if (word == "sse4_2" || word == "avx" || word == "avx2" || word == "fma" ||
+          word.rfind("avx512f", 0) == 0 || word == "asimd")
         out += (out.empty() ? "" : " ") + word;
     break;
   }
@@ -53,11 +53,13 @@ std::string now() {
 }  // namespace
 
 std::string version_text() {
-  return "osculate " OSCULATE_VERSION " (commit " OSCULATE_COMMIT ")\nSUNDIALS " + sundials_version() + "\nHDF5 " +
-         hdf5_version() + "\nEigen " + eigen_version() + "\nurdfdom " OSCULATE_URDFDOM "\nyaml-cpp " OSCULATE_YAML_CPP "\n";
+  return "osculate " OSCULATE_VERSION " (commit " OSCULATE_COMMIT ")\nSUNDIALS " + sundials_version() +
+         "\nHDF5 " + hdf5_version() + "\nEigen " + eigen_version() +
+         "\nurdfdom " OSCULATE_URDFDOM "\nyaml-cpp " OSCULATE_YAML_CPP "\n";
 }
 
-std::vector<Text> provenance(const Experiment& experiment, const std::string& urdf_text, const std::string& command) {
+std::vector<Text> provenance(const Experiment& experiment, const std::string& urdf_text,
+                             const std::string& command) {
   return {
       {"provenance/experiment", to_yaml(experiment), "resolved experiment, YAML"},
       {"provenance/model", urdf_text, "model file, URDF"},

@@ -13,6 +13,7 @@ namespace osculate {
 std::string version_text();
 
 /// The texts of /provenance.
-std::vector<Text> provenance(const Experiment& experiment, const std::string& urdf_text, const std::string& command);
+std::vector<Text> provenance(const Experiment& experiment, const std::string& urdf_text,
+                             const std::string& command);
 
 }  // namespace osculate

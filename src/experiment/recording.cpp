@@ -31,7 +31,8 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
     acceleration_units.push_back(turns ? "rad/s^2" : "m/s^2");
     effort_units.push_back(turns ? "N m" : "N");
   }
-  for (const int row : experiment.controller.rows) rows.push_back(spatial_labels[static_cast<std::size_t>(row)]);
+  for (const int row : experiment.controller.rows)
+    rows.push_back(spatial_labels[static_cast<std::size_t>(row)]);
 
   layout.axes = {
       {"time", {}, "s", "time of the recorded instants"},
@@ -57,51 +58,60 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
   };
 
   const auto along_time = [&layout](const std::string& path, const std::vector<std::string>& more,
-                                    const std::string& unit, const std::string& name, bool may_be_missing = false) {
+                                    const std::string& unit, const std::string& name,
+                                    bool may_be_missing = false) {
     std::vector<std::string> axes{"time"};
     axes.insert(axes.end(), more.begin(), more.end());
     layout.variables.push_back({path, axes, unit, name, Kind::real, may_be_missing});
   };
   along_time("trajectory/joint_position", {"position_coordinate"}, "", "joint positions");
   along_time("trajectory/joint_velocity", {"velocity_coordinate"}, "", "joint velocities");
-  along_time("trajectory/joint_acceleration", {"velocity_coordinate"}, "", "joint accelerations of the plant");
-  along_time("trajectory/joint_torque", {"velocity_coordinate"}, "", "joint torques applied by the controller");
+  along_time("trajectory/joint_acceleration", {"velocity_coordinate"}, "",
+             "joint accelerations of the plant");
+  along_time("trajectory/joint_torque", {"velocity_coordinate"}, "",
+             "joint torques applied by the controller");
   along_time("trajectory/tip_position", {"xyz"}, "m", "tip point");
   along_time("trajectory/tip_orientation", {"quaternion"}, "1", "tip axes, sign continuous in time");
   along_time("trajectory/tip_velocity", {"spatial"}, "", "tip velocity");
   along_time("trajectory/tip_acceleration", {"spatial"}, "", "tip acceleration of the plant, ordinary");
   along_time("trajectory/command", {"spatial"}, "", "commanded tip acceleration u", true);
-  along_time("trajectory/pose_error", {"spatial"}, "", "rotation vector and position error, reference minus tip");
+  along_time("trajectory/pose_error", {"spatial"}, "",
+             "rotation vector and position error, reference minus tip");
   along_time("trajectory/reference_position", {"xyz"}, "m", "reference of the tip point");
   along_time("trajectory/reference_orientation", {"quaternion"}, "1", "reference of the tip axes");
   along_time("trajectory/reference_velocity", {"spatial"}, "", "reference velocity");
   along_time("trajectory/reference_acceleration", {"spatial"}, "", "reference acceleration");
-  along_time("operational_space/Omega", {"spatial", "spatial_column"}, "", "J M^-1 J*, inverse of Lambda, by recursion");
+  along_time("operational_space/Omega", {"spatial", "spatial_column"}, "",
+             "J M^-1 J*, inverse of Lambda, by recursion");
   along_time("operational_space/Lambda", {"spatial", "spatial_column"}, "",
              "operational-space inertia on the task rows, by recursion", true);
-  along_time("operational_space/c", {"spatial"}, "", "operational-space Coriolis and centrifugal force", true);
+  along_time("operational_space/c", {"spatial"}, "", "operational-space Coriolis and centrifugal force",
+             true);
   along_time("operational_space/g", {"spatial"}, "", "operational-space gravity force", true);
   along_time("operational_space/F", {"spatial"}, "", "commanded tip force F_c", true);
-  along_time("operational_space/cond_Omega", {}, "1", "condition number of Omega on the task rows, scaled to unit diagonal",
-             true);
+  along_time("operational_space/cond_Omega", {}, "1",
+             "condition number of Omega on the task rows, scaled to unit diagonal", true);
   along_time("energy/kinetic", {}, "J", "kinetic energy of links and rotors");
   along_time("energy/potential", {}, "J", "potential energy");
   along_time("energy/work", {}, "J", "work of the joint torques since the start");
   along_time("energy/dissipated", {}, "J", "energy lost in joint friction since the start");
   along_time("energy/external_work", {}, "J", "work of the external tip force since the start");
 
-  const auto along_steps = [&layout](const std::string& path, const std::string& unit, const std::string& name,
-                                     Kind kind, bool may_be_missing) {
+  const auto along_steps = [&layout](const std::string& path, const std::string& unit,
+                                     const std::string& name, Kind kind, bool may_be_missing) {
     layout.variables.push_back({path, {"step"}, unit, name, kind, may_be_missing});
   };
   along_steps("step_time", "s", "time at the end of the step", Kind::real, false);
   along_steps("solver/step_size", "s", "step size", Kind::real, false);
   along_steps("solver/order", "1", "order of the method", Kind::integer, false);
-  along_steps("solver/rhs_evaluations", "1", "right-hand side evaluations since the start", Kind::integer, false);
-  along_steps("solver/local_error", "1", "largest estimated local error in units of its tolerance", Kind::real, false);
-  along_steps("solver/global_error_position", "m", "estimate of the tip position's true error so far", Kind::real, true);
-  along_steps("solver/global_error_orientation", "rad", "estimate of the tip orientation's true error so far", Kind::real,
-              true);
+  along_steps("solver/rhs_evaluations", "1", "right-hand side evaluations since the start", Kind::integer,
+              false);
+  along_steps("solver/local_error", "1", "largest estimated local error in units of its tolerance",
+              Kind::real, false);
+  along_steps("solver/global_error_position", "m", "estimate of the tip position's true error so far",
+              Kind::real, true);
+  along_steps("solver/global_error_orientation", "rad", "estimate of the tip orientation's true error so far",
+              Kind::real, true);
   for (const auto& claim : claim_table) {
     const std::string path = "verification/" + std::string(claim.id);
     along_steps(path, "1", "residual of the claim " + std::string(claim.id), Kind::real, true);
@@ -112,7 +122,9 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
   return layout;
 }
 
-void push(std::vector<double>& row, std::span<const double> values) { row.insert(row.end(), values.begin(), values.end()); }
+void push(std::vector<double>& row, std::span<const double> values) {
+  row.insert(row.end(), values.begin(), values.end());
+}
 template <class Derived>
 void push(std::vector<double>& row, const Eigen::MatrixBase<Derived>& values) {
   for (Eigen::Index i = 0; i < values.size(); ++i) row.push_back(values(i));
@@ -131,7 +143,8 @@ Recording::Recording(const std::filesystem::path& file, const Experiment& experi
                      const std::string& command, bool force)
     : file_(file, make_layout(experiment, arms, command), force) {}
 
-void Recording::output(const Observation& seen, const TaskRows& rows, const RecursiveTerms& terms, double condition) {
+void Recording::output(const Observation& seen, const TaskRows& rows, const RecursiveTerms& terms,
+                       double condition) {
   row_.clear();
   row_.push_back(seen.t);
   push(row_, seen.q);
@@ -178,9 +191,10 @@ void Recording::output(const Observation& seen, const TaskRows& rows, const Recu
 void Recording::step(const Step& step, const Residuals& residuals) {
   row_.clear();
   row_.push_back(static_cast<double>(step.number));
-  for (const double value : {step.t, step.h, static_cast<double>(step.order), static_cast<double>(step.rhs_evaluations),
-                             step.local_error, step.error.known ? step.error.position : missing,
-                             step.error.known ? step.error.orientation : missing})
+  for (const double value :
+       {step.t, step.h, static_cast<double>(step.order), static_cast<double>(step.rhs_evaluations),
+        step.local_error, step.error.known ? step.error.position : missing,
+        step.error.known ? step.error.orientation : missing})
     row_.push_back(value);
   for (const Residual& r : residuals) {
     row_.push_back(r.applies ? r.value : missing);
@@ -195,17 +209,21 @@ void Recording::finish(const RunResult& result) {
     const ClaimResult& r = result.claims[i];
     const bool judged = r.outcome != Outcome::not_applicable;
     rows.push_back({std::string(claim_table[i].id), std::string(claim_table[i].equation), r.reason,
-                    judged ? r.worst.value : missing, judged ? r.worst.bound : missing, judged ? r.at_time : missing,
-                    static_cast<int>(r.outcome), r.undecided_steps, r.checked_steps});
+                    judged ? r.worst.value : missing, judged ? r.worst.bound : missing,
+                    judged ? r.at_time : missing, static_cast<int>(r.outcome), r.undecided_steps,
+                    r.checked_steps});
   }
   std::vector<Scalar> scalars{
       {"timing/simulation", result.times.simulation, "s", "wall time of the integration"},
       {"timing/shadow", result.times.shadow, "s", "wall time of the shadow run"},
       {"timing/checking", result.times.checking, "s", "wall time of the checks"},
       {"timing/recording", result.times.recording, "s", "wall time of recording"},
-      {"global_error/position", result.error.known ? result.error.position : missing, "m", "estimate of the tip position's true error"},
-      {"global_error/orientation", result.error.known ? result.error.orientation : missing, "rad", "estimate of the tip orientation's true error"},
-      {"global_error/energy", result.error.known ? result.error.energy : missing, "J", "estimate of the energies' true error"},
+      {"global_error/position", result.error.known ? result.error.position : missing, "m",
+       "estimate of the tip position's true error"},
+      {"global_error/orientation", result.error.known ? result.error.orientation : missing, "rad",
+       "estimate of the tip orientation's true error"},
+      {"global_error/energy", result.error.known ? result.error.energy : missing, "J",
+       "estimate of the energies' true error"},
       {"analytic_response/position", result.analytic ? result.worst_position : missing, "m",
        "largest distance of the tip from the closed-form solution"},
       {"analytic_response/orientation", result.analytic ? result.worst_orientation : missing, "rad",

@@ -28,20 +28,26 @@ class Timed {
   Clock::time_point start_ = Clock::now();
 };
 
-constexpr double shadow_factor = 100;     // the shadow's tolerances are the run's divided by this
-constexpr double energy_atol = 1e4;       // J per (rad/s): the energies are only checked, they must not shorten the steps
-constexpr double smallest_rtol = 1e-14;   // below this CVODE's own rounding governs
-constexpr double default_max_step = 0.1;  // s: a resting arm does not step across a short change of its reference
+constexpr double shadow_factor = 100;  // the shadow's tolerances are the run's divided by this
+constexpr double energy_atol =
+    1e4;  // J per (rad/s): the energies are only checked, they must not shorten the steps
+constexpr double smallest_rtol = 1e-14;  // below this CVODE's own rounding governs
+constexpr double default_max_step =
+    0.1;  // s: a resting arm does not step across a short change of its reference
 
 /// Condition numbers above this with a shrinking step mean that the arm ran into a singularity.
 constexpr double singular_condition = 1e6;
 
 std::string stop_name(Reason reason) {
   switch (reason) {
-    case Reason::singular: return "singular";
-    case Reason::non_finite: return "non_finite";
-    case Reason::step_too_small: return "step_too_small";
-    case Reason::failed: return "failed";
+    case Reason::singular:
+      return "singular";
+    case Reason::non_finite:
+      return "non_finite";
+    case Reason::step_too_small:
+      return "step_too_small";
+    case Reason::failed:
+      return "failed";
   }
   return "failed";
 }
@@ -58,8 +64,8 @@ IntegratorOptions integrator_options(const IntegratorConfig& config, int joints,
   return options;
 }
 
-/// The problem of one integrator: its own closed loop, so that no workspace is shared. The reference may jump at the end of a
-/// segment; up to `limit` the integrator sees it from the left.
+/// The problem of one integrator: its own closed loop, so that no workspace is shared. The reference may jump
+/// at the end of a segment; up to `limit` the integrator sees it from the left.
 struct Simulation {
   ClosedLoop loop;
   double limit = std::numeric_limits<double>::infinity();  // s
@@ -67,8 +73,9 @@ struct Simulation {
 
   Simulation(const ClosedLoop& problem, std::span<const double> y0, const IntegratorOptions& options)
       : loop(problem),
-        integrator([this](double t, const double* y, double* yd) { loop.right_side(std::min(t, limit), y, yd); }, 0, y0,
-                   options) {}
+        integrator(
+            [this](double t, const double* y, double* yd) { loop.right_side(std::min(t, limit), y, yd); }, 0,
+            y0, options) {}
   Simulation(const Simulation&) = delete;  // the integrator holds a pointer to the loop
 };
 
@@ -96,7 +103,8 @@ class Runner {
     }
     if (stop.empty() && !interrupted_ && result_.end_time < experiment_.duration) {
       stop = "too_many_steps";
-      result_.message = "integrator.max_steps = " + std::to_string(experiment_.integrator.max_steps) + " reached";
+      result_.message =
+          "integrator.max_steps = " + std::to_string(experiment_.integrator.max_steps) + " reached";
     }
     conclude(stop);
     if (recording_) {
@@ -109,8 +117,8 @@ class Runner {
  private:
   ClosedLoop make_problem() const {
     const ControllerConfig& c = experiment_.controller;
-    const LawOptions law{c.law,     c.rows, c.stiffness, c.damping, c.null_space_damping, c.compensate_friction,
-                         std::nullopt};
+    const LawOptions law{
+        c.law, c.rows, c.stiffness, c.damping, c.null_space_damping, c.compensate_friction, std::nullopt};
     const Pose initial = tip_pose(arms_.model, experiment_.q);
     std::shared_ptr<const Path> path = std::visit(
         [&initial](const auto& reference) -> std::unique_ptr<Path> {
@@ -126,7 +134,8 @@ class Runner {
   std::vector<double> start() const {
     std::vector<double> y(problem_.states(), 0.0);
     std::copy(experiment_.q.begin(), experiment_.q.end(), y.begin());
-    std::copy(experiment_.qd.begin(), experiment_.qd.end(), y.begin() + static_cast<std::ptrdiff_t>(experiment_.q.size()));
+    std::copy(experiment_.qd.begin(), experiment_.qd.end(),
+              y.begin() + static_cast<std::ptrdiff_t>(experiment_.q.size()));
     return y;
   }
 
@@ -135,7 +144,8 @@ class Runner {
     const int n = problem_.joints();
     Simulation main(problem_, y0, integrator_options(experiment_.integrator, n, 1));
     std::optional<Simulation> shadow;
-    if (experiment_.verify.shadow) shadow.emplace(problem_, y0, integrator_options(experiment_.integrator, n, shadow_factor));
+    if (experiment_.verify.shadow)
+      shadow.emplace(problem_, y0, integrator_options(experiment_.integrator, n, shadow_factor));
     row_state_.resize(y0.size());
     trajectory_.emplace(problem_, problem_.observe(0, y0));
     if (shadow) result_.error.known = true;
@@ -197,13 +207,14 @@ class Runner {
       result_.error.add(seen, shadow->loop.observe(t, row_state_));
     }
     const Residuals along = trajectory_->assess(seen, result_.error);
-    for (const Claim claim : {Claim::analytic_response, Claim::decoupling}) residuals_[index(claim)] = along[index(claim)];
+    for (const Claim claim : {Claim::analytic_response, Claim::decoupling})
+      residuals_[index(claim)] = along[index(claim)];
     worse_ = verdict_.add(step_end, residuals_);
     residuals_[index(Claim::energy)] = along[index(Claim::energy)];
   }
 
-  /// After a stop: is the arm where it stopped as the recursions say? Omega, the plant and the kinematics can be judged
-  /// without a command. A recursion that is wrong must not pass for a singular arm.
+  /// After a stop: is the arm where it stopped as the recursions say? Omega, the plant and the kinematics can
+  /// be judged without a command. A recursion that is wrong must not pass for a singular arm.
   void judge_without_command() {
     const std::vector<double> y = last_state_.empty() ? start() : last_state_;
     LawOptions law = problem_.controller().options();
@@ -220,8 +231,9 @@ class Runner {
     if (verify.record == VerifyConfig::Record::worst && !worse_) return;
     if (verify.record == VerifyConfig::Record::every && result_.steps % verify.record_every != 0) return;
     const Timed timed(result_.times.recording);
-    recording_->step({result_.steps, step.t, step.h, step.local_error, step.order, result_.rhs_evaluations, result_.error},
-                     residuals_);
+    recording_->step(
+        {result_.steps, step.t, step.h, step.local_error, step.order, result_.rhs_evaluations, result_.error},
+        residuals_);
   }
 
   /// Output rows that fall into the last step, by the method's own polynomial. `from`: start of the step.
@@ -247,7 +259,8 @@ class Runner {
         for (Eigen::Index j = 0; j < m; ++j)
           Omega(i, j) = terms.Omega(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
       const double condition = scaled_condition(Omega);
-      recording_->output(seen, rows, terms, std::isfinite(condition) ? condition : std::numeric_limits<double>::quiet_NaN());
+      recording_->output(seen, rows, terms,
+                         std::isfinite(condition) ? condition : std::numeric_limits<double>::quiet_NaN());
     }
   }
 
@@ -256,7 +269,8 @@ class Runner {
     const auto now = Clock::now();
     if (now - shown_ < std::chrono::milliseconds(500)) return;
     shown_ = now;
-    options_.progress(result_.end_time, experiment_.duration, std::chrono::duration<double>(now - begun_).count());
+    options_.progress(result_.end_time, experiment_.duration,
+                      std::chrono::duration<double>(now - begun_).count());
   }
 
   void conclude(const std::string& stop) {
@@ -312,7 +326,8 @@ class Runner {
         result_.message = "the run completed, but the experiment expects stop: " + expect.stop;
       for (const auto& id : expected)
         if (!std::binary_search(failed.begin(), failed.end(), id))
-          result_.message += (result_.message.empty() ? "" : "; ") + std::string("claim ") + id + " was expected to fail and did not";
+          result_.message += (result_.message.empty() ? "" : "; ") + std::string("claim ") + id +
+                             " was expected to fail and did not";
     }
   }
 
@@ -340,7 +355,9 @@ void check(const Experiment& experiment) {
   const Runner ready(experiment, nothing);
 }
 
-RunResult run(const Experiment& experiment, const RunOptions& options) { return Runner(experiment, options).go(); }
+RunResult run(const Experiment& experiment, const RunOptions& options) {
+  return Runner(experiment, options).go();
+}
 
 std::string report(const Experiment& experiment, const RunResult& r) {
   std::string out = verdict_table(r.claims);
@@ -350,19 +367,22 @@ std::string report(const Experiment& experiment, const RunResult& r) {
                 r.verdict.c_str(), r.message.empty() ? "" : ": ", r.message.c_str());
   add();
   if (r.error.known) {
-    std::snprintf(line, sizeof line, "global error estimate: tip %.2e m, %.2e rad; energies %.2e J\n", r.error.position,
-                  r.error.orientation, r.error.energy);
+    std::snprintf(line, sizeof line,
+                  "global error estimate: tip %.2e m, %.2e rad; energies %.2e J, their balance %.2e J\n",
+                  r.error.position, r.error.orientation, r.error.energy, r.error.imbalance);
     add();
   }
   if (r.analytic) {
-    std::snprintf(line, sizeof line, "distance from the closed-form solution: tip %.2e m, %.2e rad\n", r.worst_position,
-                  r.worst_orientation);
+    std::snprintf(line, sizeof line, "distance from the closed-form solution: tip %.2e m, %.2e rad\n",
+                  r.worst_position, r.worst_orientation);
     add();
   }
-  std::snprintf(line, sizeof line, "%ld steps, %ld right-hand sides, %.4g s simulated, %.0f times real time\n", r.steps,
-                r.rhs_evaluations, r.end_time, r.times.simulation > 0 ? r.end_time / r.times.simulation : 0.0);
+  std::snprintf(
+      line, sizeof line, "%ld steps, %ld right-hand sides, %.4g s simulated, %.0f times real time\n", r.steps,
+      r.rhs_evaluations, r.end_time, r.times.simulation > 0 ? r.end_time / r.times.simulation : 0.0);
   add();
-  std::snprintf(line, sizeof line, "wall time: simulation %.3f s, shadow run %.3f s, checking %.3f s, recording %.3f s\n",
+  std::snprintf(line, sizeof line,
+                "wall time: simulation %.3f s, shadow run %.3f s, checking %.3f s, recording %.3f s\n",
                 r.times.simulation, r.times.shadow, r.times.checking, r.times.recording);
   add();
   return out;

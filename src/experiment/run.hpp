@@ -15,13 +15,21 @@
 namespace osculate {
 
 /// Exit codes of the program (docs/experiment-file.md). The gravest of several runs wins.
-enum class Exit { ok = 0, claim_failed = 1, bad_input = 2, stopped = 3, io_failure = 4, interrupted = 130, terminated = 143 };
+enum class Exit {
+  ok = 0,
+  claim_failed = 1,
+  bad_input = 2,
+  stopped = 3,
+  io_failure = 4,
+  interrupted = 130,
+  terminated = 143
+};
 
 struct RunOptions {
-  std::optional<std::filesystem::path> output;  // absent: record nothing
-  bool force = false;                           // overwrite
-  std::string command;                          // for the provenance
-  const volatile std::sig_atomic_t* signal = nullptr;  // non-zero: finish properly and stop
+  std::optional<std::filesystem::path> output;                           // absent: record nothing
+  bool force = false;                                                    // overwrite
+  std::string command;                                                   // for the provenance
+  const volatile std::sig_atomic_t* signal = nullptr;                    // non-zero: finish properly and stop
   std::function<void(double t, double duration, double wall)> progress;  // called about twice a second
 };
 
@@ -45,7 +53,8 @@ struct RunResult {
   std::vector<std::string> warnings;
 };
 
-/// Runs it. Throws ConfigError, ModelError, ReferenceError (nothing has been run) or FileError (what was written stays).
+/// Runs it. Throws ConfigError, ModelError, ReferenceError (nothing has been run) or FileError (what was
+/// written stays).
 RunResult run(const Experiment& experiment, const RunOptions& options);
 
 /// Reads and validates all that a run would: model, waypoints, lengths, inertias. Throws as run does.

@@ -19,9 +19,9 @@ using MatrixX = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
 
 enum class JointType { revolute /* and continuous */, prismatic };
 
-/// A moving link and the joint that carries it. "Inboard" is the next link towards the base (or the base itself).
-/// The link frame coincides with the joint frame and moves with the link; at q = 0 it has the pose (R_origin, p_origin)
-/// in the inboard link frame. At displacement q its pose there is
+/// A moving link and the joint that carries it. "Inboard" is the next link towards the base (or the base
+/// itself). The link frame coincides with the joint frame and moves with the link; at q = 0 it has the pose
+/// (R_origin, p_origin) in the inboard link frame. At displacement q its pose there is
 ///   revolute:  (R_origin Rot(axis, q), p_origin),   prismatic:  (R_origin, p_origin + R_origin axis q).
 template <Field S>
 struct Link {
@@ -32,17 +32,18 @@ struct Link {
   S mass = S(0);                                 // kg
   Vector3<S> com = Vector3<S>::Zero();           // m, centre of mass in the link frame
   Matrix3<S> inertia = Matrix3<S>::Zero();       // kg m^2, about the centre of mass, link axes
-  S armature = S(0);                             // reflected motor inertia: kg m^2 (revolute) or kg (prismatic)
+  S armature = S(0);  // reflected motor inertia: kg m^2 (revolute) or kg (prismatic)
   bool operator==(const Link&) const = default;
 };
 
-/// A serial chain on a fixed base. `links` run base to tip, as URDF users expect; the recursions renumber (arm.hpp).
+/// A serial chain on a fixed base. `links` run base to tip, as URDF users expect; the recursions renumber
+/// (arm.hpp).
 template <Field S>
 struct Chain {
   std::vector<Link<S>> links;
-  Matrix3<S> R_tip = Matrix3<S>::Identity();   // tip axes in the last link's frame
-  Vector3<S> p_tip = Vector3<S>::Zero();       // m, tip point in the last link's frame
-  Vector3<S> gravity = Vector3<S>::Zero();     // m/s^2, acceleration of free fall, base frame
+  Matrix3<S> R_tip = Matrix3<S>::Identity();  // tip axes in the last link's frame
+  Vector3<S> p_tip = Vector3<S>::Zero();      // m, tip point in the last link's frame
+  Vector3<S> gravity = Vector3<S>::Zero();    // m/s^2, acceleration of free fall, base frame
   int n() const { return static_cast<int>(links.size()); }
   bool operator==(const Chain&) const = default;
 };

@@ -5,8 +5,9 @@
 
 namespace osculate {
 
-/// tau = viscous qd + Tc tanh(qd / v_s), Tc = coulomb_positive for qd > 0, coulomb_negative for qd < 0, both >= 0.
-/// Units N m (revolute) or N (prismatic). The result opposes motion when subtracted from the joint torque.
+/// tau = viscous qd + Tc tanh(qd / v_s), Tc = coulomb_positive for qd > 0, coulomb_negative for qd < 0, both
+/// >= 0. Units N m (revolute) or N (prismatic). The result opposes motion when subtracted from the joint
+/// torque.
 struct JointFriction {
   double viscous = 0;           // N m s/rad or N s/m
   double coulomb_positive = 0;  // N m or N

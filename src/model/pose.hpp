@@ -1,5 +1,5 @@
-// Joint positions as field numbers. Trigonometry stops here: everything further in takes cosines and sines, so that
-// exact rational poses exist.
+// Joint positions as field numbers. Trigonometry stops here: everything further in takes cosines and sines,
+// so that exact rational poses exist.
 #pragma once
 
 #include <cmath>
@@ -10,13 +10,15 @@
 
 namespace osculate {
 
-/// Where one joint stands. Revolute: c, s are cosine and sine of the angle, d = 0. Prismatic: c = 1, s = 0, d in m.
+/// Where one joint stands. Revolute: c, s are cosine and sine of the angle, d = 0. Prismatic: c = 1, s = 0, d
+/// in m.
 template <Field S>
 struct JointPosition {
   S c = S(1), s = S(0), d = S(0);
 };
 
-/// Joint positions (base to tip) of a chain from coordinates q (rad or m, base to tip). q.size() == chain.n().
+/// Joint positions (base to tip) of a chain from coordinates q (rad or m, base to tip). q.size() ==
+/// chain.n().
 template <Field S>
 void set_positions(const Chain<S>& chain, std::span<const S> q, std::vector<JointPosition<S>>& out) {
   using std::cos;
@@ -34,7 +36,8 @@ std::vector<JointPosition<S>> positions(const Chain<S>& chain, std::span<const S
   return out;
 }
 
-/// Rotation about the unit vector `axis` with the given cosine and sine (Rodrigues' formula). Field operations only.
+/// Rotation about the unit vector `axis` with the given cosine and sine (Rodrigues' formula). Field
+/// operations only.
 template <Field S>
 Matrix3<S> rotation(const Vector3<S>& axis, const S& c, const S& s) {
   const S& x = axis[0];

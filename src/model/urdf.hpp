@@ -1,4 +1,5 @@
-// A serial arm from a URDF file: the chain between a base and a tip link, with everything that hangs off it lumped.
+// A serial arm from a URDF file: the chain between a base and a tip link, with everything that hangs off it
+// lumped.
 #pragma once
 
 #include <filesystem>
@@ -19,8 +20,8 @@ struct ModelError : std::runtime_error {
 enum class SideBranches { lump /* rigidly, movable joints frozen at zero */, drop };
 
 struct ChainChoice {
-  std::string base;  // link; empty: the root of the file
-  std::string tip;   // link; must descend from base
+  std::string base;                         // link; empty: the root of the file
+  std::string tip;                          // link; must descend from base
   Vector3<double> gravity{0, 0, -9.80665};  // m/s^2, acceleration of free fall, base frame
   SideBranches side_branches = SideBranches::lump;
 };
@@ -52,8 +53,8 @@ struct ArmDescription {
   Chain<double> chain;
   std::vector<LumpedLink> lumped;
   std::vector<std::string> warnings;
-  /// Moving links without usable inertia of their own, "link 'x': reason". Legal while the articulated inertia about
-  /// every joint stays positive; who evaluates the recursions quotes them when it does not.
+  /// Moving links without usable inertia of their own, "link 'x': reason". Legal while the articulated
+  /// inertia about every joint stays positive; who evaluates the recursions quotes them when it does not.
   std::vector<std::string> inertia_concerns;
   std::string urdf_text;
 };

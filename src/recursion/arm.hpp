@@ -1,5 +1,5 @@
-// The arm at one configuration, in the paper's numbering: link 1 outermost ... n innermost, n+1 the fixed base, 0 the tip.
-// This file is the one place where base-to-tip order becomes tip-to-base order.
+// The arm at one configuration, in the paper's numbering: link 1 outermost ... n innermost, n+1 the fixed
+// base, 0 the tip. This file is the one place where base-to-tip order becomes tip-to-base order.
 #pragma once
 
 #include <vector>
@@ -43,8 +43,8 @@ struct BasicArm {
 template <Field S>
 using Arm = BasicArm<Hinge<S>>;
 
-/// The constants of a chain, prepared once so that placing the arm costs field operations only: R_origin Rot(axis) is
-/// A + c B + s C, and the inertia is about O(k).
+/// The constants of a chain, prepared once so that placing the arm costs field operations only: R_origin
+/// Rot(axis) is A + c B + s C, and the inertia is about O(k).
 template <Field S>
 class ArmBuilder {
  public:
@@ -75,7 +75,8 @@ class ArmBuilder {
   /// a_g: the fictitious upward acceleration of the base (0; -gravity).
   const Vec<Motion, S>& a_g() const { return a_g_; }
 
-  /// Forward kinematics, base to tip: the hidden sweep. `joints` base to tip. No allocation after the first call.
+  /// Forward kinematics, base to tip: the hidden sweep. `joints` base to tip. No allocation after the first
+  /// call.
   void place(const std::vector<JointPosition<S>>& joints, Arm<S>& arm) const {
     arm.link.resize(links_.size() + 1);
     Mat3<S> R = identity();  // axes of link k in the base frame
@@ -108,9 +109,7 @@ class ArmBuilder {
     Sym3<S> I;
     S m, J;
   };
-  static Mat3<S> identity() {
-    return {{S(1), S(0), S(0)}, {S(0), S(1), S(0)}, {S(0), S(0), S(1)}};
-  }
+  static Mat3<S> identity() { return {{S(1), S(0), S(0)}, {S(0), S(1), S(0)}, {S(0), S(0), S(1)}}; }
   std::vector<Constants> links_;
   Mat3<S> R_tip_;
   Vec3<S> l_tip_;

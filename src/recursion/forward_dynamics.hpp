@@ -8,7 +8,8 @@
 
 namespace osculate {
 
-/// The true arm. Joint lists run base to tip; base frame, about the tip point. No allocation after construction.
+/// The true arm. Joint lists run base to tip; base frame, about the tip point. No allocation after
+/// construction.
 template <Field S>
 class ForwardDynamics {
  public:
@@ -19,7 +20,8 @@ class ForwardDynamics {
   void place(const std::vector<JointPosition<S>>& joints) { builder_.place(joints, arm_); }
 
   /// qdd for joint torques T (friction already subtracted) and the wrench F_ext on the tip.
-  void accelerations(std::span<const S> qd, std::span<const S> T, const Vec<Force, S>& F_ext, std::span<S> qdd) {
+  void accelerations(std::span<const S> qd, std::span<const S> T, const Vec<Force, S>& F_ext,
+                     std::span<S> qdd) {
     for (int k = 1; k <= n(); ++k) x_[k].T0 = T[static_cast<std::size_t>(n() - k)];
     sweep_velocities(arm_, TipFirst<S>{qd.data(), n()}, builder_.a_g(), x_);
     sweep_articulated(arm_, F_ext, x_);

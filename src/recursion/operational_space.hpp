@@ -8,8 +8,8 @@
 
 namespace osculate {
 
-/// Operational-space dynamics of one arm at one state. Joint lists run base to tip. Base frame, about the tip point.
-/// No allocation after construction. Cost: place + four sweeps + one factorisation of at most 6 x 6.
+/// Operational-space dynamics of one arm at one state. Joint lists run base to tip. Base frame, about the tip
+/// point. No allocation after construction. Cost: place + four sweeps + one factorisation of at most 6 x 6.
 template <Field S>
 class OperationalSpace {
  public:
@@ -20,8 +20,8 @@ class OperationalSpace {
   /// Sets the configuration.
   void place(const std::vector<JointPosition<S>>& joints) { builder_.place(joints, arm_); }
 
-  /// Sweeps 1 to 3 with gravity: afterwards right_side() = Omega (c + g) (65), corrected for gravity. T0: joint torques that
-  /// will be applied anyway; the right side then is Omega (c + g) - J M^-1 T0.
+  /// Sweeps 1 to 3 with gravity: afterwards right_side() = Omega (c + g) (65), corrected for gravity. T0:
+  /// joint torques that will be applied anyway; the right side then is Omega (c + g) - J M^-1 T0.
   void sweep(std::span<const S> qd, std::span<const S> T0 = {}) {
     set_torques(T0);
     sweep_velocities(arm_, rates(qd), builder_.a_g(), x_);

@@ -36,7 +36,9 @@ constexpr const S& component(const Symmetric<To, S>& a, int i, int j) {
     if (r > c) std::swap(r, c);
     return r == 0 ? (c == 0 ? s.xx : c == 1 ? s.xy : s.xz) : r == 1 ? (c == 1 ? s.yy : s.yz) : s.zz;
   };
-  const auto row = [](const Mat3<S>& m, int r) -> const Vec3<S>& { return r == 0 ? m.x : r == 1 ? m.y : m.z; };
+  const auto row = [](const Mat3<S>& m, int r) -> const Vec3<S>& {
+    return r == 0 ? m.x : r == 1 ? m.y : m.z;
+  };
   if (i < 3 && j < 3) return sym(a.J, i, j);
   if (i >= 3 && j >= 3) return sym(a.A, i - 3, j - 3);
   return i < 3 ? component(row(a.B, i), j - 3) : component(row(a.B, j), i - 3);
@@ -61,9 +63,9 @@ Vec<Force, S> wrench(const TaskVector<S>& F, const TaskRows& rows) {
   return f;
 }
 
-/// L D L^T of S Omega(0) S^T without pivoting: field operations only, no square root. Backward stable because Omega is
-/// positive definite; a pivot that is not positive means that the arm has lost rank in these rows, which the caller
-/// must look at (`pivots`), since a Field cannot compare.
+/// L D L^T of S Omega(0) S^T without pivoting: field operations only, no square root. Backward stable because
+/// Omega is positive definite; a pivot that is not positive means that the arm has lost rank in these rows,
+/// which the caller must look at (`pivots`), since a Field cannot compare.
 template <Field S>
 class TaskFactor {
  public:
@@ -122,7 +124,8 @@ class TaskFactor {
       }
       pivots_[j] = scaled[j][j];
 #pragma GCC unroll 6
-      for (int i = j + 1; i < m_; ++i) L_[i][j] = scaled[j][i] / pivots_[j];  // the last pivot divides nothing
+      for (int i = j + 1; i < m_; ++i)
+        L_[i][j] = scaled[j][i] / pivots_[j];  // the last pivot divides nothing
     }
   }
 

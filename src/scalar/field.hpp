@@ -1,5 +1,5 @@
-// What a number must be able to do. Everything in spatial/, recursion/ and reference/ asks for a Field only, so that
-// double, exact rationals, wider floats, SIMD packets and counted operations can run the same lines.
+// What a number must be able to do. Everything in spatial/, recursion/ and reference/ asks for a Field only,
+// so that double, exact rationals, wider floats, SIMD packets and counted operations can run the same lines.
 #pragma once
 
 #include <concepts>
@@ -11,11 +11,11 @@ template <class S>
 concept Field = requires(S x) {
   S(0);
   S(1);
-  { S(-x) };
-  { S(x + x) };
-  { S(x - x) };
-  { S(x * x) };
-  { S(x / x) };
+  {S(-x)};
+  {S(x + x)};
+  {S(x - x)};
+  {S(x * x)};
+  {S(x / x)};
 };
 
 /// A field whose values can be ordered; checks and thresholds need it, the sweeps do not.

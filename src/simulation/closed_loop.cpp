@@ -45,7 +45,8 @@ bool ClosedLoop::plant_is_model() const {
   if (!(plant_.chain == controller_.model()) || !plant_.tip_force.isZero(0)) return false;
   const std::vector<JointFriction> none(joints_.size());
   const auto or_none = [&none](const std::vector<JointFriction>& f) { return f.empty() ? none : f; };
-  return or_none(plant_.friction) == (controller_.options().compensate_friction ? or_none(controller_.friction()) : none);
+  return or_none(plant_.friction) ==
+         (controller_.options().compensate_friction ? or_none(controller_.friction()) : none);
 }
 
 Vector6 ClosedLoop::plant_tip_velocity() const {

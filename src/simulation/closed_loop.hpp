@@ -18,13 +18,14 @@ struct Plant {
   Vector6 tip_force = Vector6::Zero();  // N m, N: wrench on the tip, base axes, about the tip point
 };
 
-/// Everything worth recording at one instant. Base frame, about the tip point, angular part first; joints base to tip.
+/// Everything worth recording at one instant. Base frame, about the tip point, angular part first; joints
+/// base to tip.
 struct Observation {
   double t = 0;
   std::vector<double> q, qd, qdd, torque;
   Command command;
-  Vector6 tip_acceleration = Vector6::Zero();  // of the plant, by its own recursion
-  double kinetic = 0, potential = 0;           // J
+  Vector6 tip_acceleration = Vector6::Zero();          // of the plant, by its own recursion
+  double kinetic = 0, potential = 0;                   // J
   double work = 0, dissipated = 0, external_work = 0;  // J, since the start
 };
 
@@ -35,7 +36,8 @@ class ClosedLoop {
   int joints() const { return plant_dynamics_.n(); }
   std::size_t states() const { return 2 * static_cast<std::size_t>(joints()) + 3; }
 
-  /// y' = f(t, y). Throws IntegrationStopped where the arm is singular. Uses this object's workspace: one object for each integrator.
+  /// y' = f(t, y). Throws IntegrationStopped where the arm is singular. Uses this object's workspace: one
+  /// object for each integrator.
   void right_side(double t, const double* y, double* yd);
 
   /// The closed loop at (t, y) in full, by the lines that right_side runs. Valid until the next call.
@@ -44,8 +46,8 @@ class ClosedLoop {
   Controller& controller() { return controller_; }
   const Controller& controller() const { return controller_; }
   const Plant& plant() const { return plant_; }
-  /// True if the controller believes the truth: the same arm, friction compensated exactly, no wrench on the tip. Then
-  /// (5) must hold.
+  /// True if the controller believes the truth: the same arm, friction compensated exactly, no wrench on the
+  /// tip. Then (5) must hold.
   bool plant_is_model() const;
   /// Joint torque minus friction that the plant felt in the last evaluation, base to tip.
   std::span<const double> net_torque() const { return net_torque_; }

@@ -21,8 +21,8 @@ namespace {
 
 using Reason = IntegrationStopped::Reason;
 
-// The nonlinear equation of each step is solved to this fraction of the local error tolerance (CVODE's default is 0.1), so
-// that the derivative of the interpolant and the right-hand side agree to the tolerance.
+// The nonlinear equation of each step is solved to this fraction of the local error tolerance (CVODE's
+// default is 0.1), so that the derivative of the interpolant and the right-hand side agree to the tolerance.
 constexpr double nonlinear_fraction = 1e-2;
 constexpr int nonlinear_iterations = 12;
 
@@ -39,7 +39,8 @@ int create_context(SUNContext* context) { return SUNContext_Create(nullptr, cont
 
 void require(int flag, const char* call) {
   if (flag < 0)
-    throw IntegrationStopped(Reason::failed, std::string(call) + " failed: SUNDIALS error " + std::to_string(flag));
+    throw IntegrationStopped(Reason::failed,
+                             std::string(call) + " failed: SUNDIALS error " + std::to_string(flag));
 }
 
 }  // namespace
@@ -84,7 +85,8 @@ struct Cvode::Impl {
   }
 
 #if SUNDIALS_VERSION_MAJOR >= 7
-  static void error_handler(int, const char*, const char*, const char* text, SUNErrCode, void* self, SUNContext) {
+  static void error_handler(int, const char*, const char*, const char* text, SUNErrCode, void* self,
+                            SUNContext) {
     static_cast<Impl*>(self)->message = text ? text : "";
   }
 #else
@@ -161,12 +163,14 @@ StepInfo Cvode::step(double stop_time) {
   if (!(s.t > before) || !(info.h > 0)) s.stop(true, "the step shrank to zero");
   for (const double value : state())
     if (!std::isfinite(value))
-      throw IntegrationStopped(Reason::non_finite, "at t = " + std::to_string(s.t) + " s: the state is not finite");
+      throw IntegrationStopped(Reason::non_finite,
+                               "at t = " + std::to_string(s.t) + " s: the state is not finite");
   CVodeGetEstLocalErrors(s.memory, s.errors);
   CVodeGetErrWeights(s.memory, s.weights);
   const double* e = N_VGetArrayPointer(s.errors);
   const double* w = N_VGetArrayPointer(s.weights);
-  for (std::size_t i = 0; i < state().size(); ++i) info.local_error = std::max(info.local_error, std::abs(e[i] * w[i]));
+  for (std::size_t i = 0; i < state().size(); ++i)
+    info.local_error = std::max(info.local_error, std::abs(e[i] * w[i]));
   return info;
 }
 

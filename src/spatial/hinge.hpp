@@ -1,13 +1,14 @@
 // What a joint does to spatial vectors: H, D, G, K, psi for a joint with one axis.
-// A joint with m axes is another type with the same operators and member types (D an m x m block); the sweeps are
-// templates on it.
+// A joint with m axes is another type with the same operators and member types (D an m x m block); the sweeps
+// are templates on it.
 #pragma once
 
 #include "spatial/map.hpp"
 
 namespace osculate {
 
-/// Which half of a spatial vector a joint moves: a revolute joint the angular one, a prismatic joint the linear one.
+/// Which half of a spatial vector a joint moves: a revolute joint the angular one, a prismatic joint the
+/// linear one.
 enum class HingeKind { revolute, prismatic };
 
 template <Field S>
@@ -17,7 +18,8 @@ struct Gain;
 template <Field S>
 struct Psi;
 
-/// H(k): the row of a one-axis joint. H* = (h;0) revolute, (0;h) prismatic. The products below use that one half is zero.
+/// H(k): the row of a one-axis joint. H* = (h;0) revolute, (0;h) prismatic. The products below use that one
+/// half is zero.
 template <Field S>
 struct Hinge {
   using Scalar = S;
@@ -208,7 +210,8 @@ template <Field S>
 constexpr PsiInertia<S> operator*(const Psi<S>& psi, const Inertia<S>& P) {
   return {psi, P};
 }
-/// (1 - G H) P (1 - G H)* = P - G (HP) - r G*, with r = P H* - G (H P H*): the product as printed, in symmetric form.
+/// (1 - G H) P (1 - G H)* = P - G (HP) - r G*, with r = P H* - G (H P H*): the product as printed, in
+/// symmetric form.
 template <Field S>
 constexpr Inertia<S> operator*(const PsiInertia<S>& left, const Star<Psi<S>>& right) {
   const auto& [phi, G, H] = right.map;

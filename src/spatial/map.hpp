@@ -102,7 +102,8 @@ constexpr Symmetric<To, S> twice_outer(const Vec<To, S>& a, const Vec<To, S>& b)
 }
 /// P - (a b^T + b a^T), entry by entry: keeps 21 numbers alive, not 42.
 template <class To, Field S>
-constexpr Symmetric<To, S> less_twice_outer(const Symmetric<To, S>& P, const Vec<To, S>& a, const Vec<To, S>& b) {
+constexpr Symmetric<To, S> less_twice_outer(const Symmetric<To, S>& P, const Vec<To, S>& a,
+                                            const Vec<To, S>& b) {
   const auto row = [&](const Vec3<S>& r, const S& s, const S& t) {
     return Vec3<S>{r.x - (s * b.lin.x + t * a.lin.x), r.y - (s * b.lin.y + t * a.lin.y),
                    r.z - (s * b.lin.z + t * a.lin.z)};

@@ -1,4 +1,5 @@
-// Three-vectors and 3 x 3 matrices over any Field, as plain structs: no heap, no comparison, no expression templates.
+// Three-vectors and 3 x 3 matrices over any Field, as plain structs: no heap, no comparison, no expression
+// templates.
 #pragma once
 
 #include "scalar/fault.hpp"
@@ -147,7 +148,8 @@ constexpr Mat3<S> cross(const Mat3<S>& a, const Vec3<S>& l) {
 template <Field S>
 constexpr Sym3<S> turned(const Mat3<S>& R, const Sym3<S>& a) {
   const Vec3<S> p = a * R.x, q = a * R.y, r = a * R.z;
-  return seeded(Fault::spatial_turn, Sym3<S>{dot(R.x, p), dot(R.x, q), dot(R.x, r), dot(R.y, q), dot(R.y, r), dot(R.z, r)});
+  return seeded(Fault::spatial_turn,
+                Sym3<S>{dot(R.x, p), dot(R.x, q), dot(R.x, r), dot(R.y, q), dot(R.y, r), dot(R.z, r)});
 }
 
 }  // namespace osculate

@@ -27,14 +27,17 @@ double weighted(const Vector& x, const Vector& y, const Vector& scale, const Vec
   return ratio((x - y).cwiseAbs().cwiseProduct(weights).maxCoeff(), scale.cwiseProduct(weights).maxCoeff());
 }
 
-/// For each task row the root of the largest diagonal entry of Omega among the rows of its kind, angular or linear. A
-/// scale that knows neither how the base frame is turned nor the units; rounding in Omega is relative to it.
+/// For each task row the root of the largest diagonal entry of Omega among the rows of its kind, angular or
+/// linear. A scale that knows neither how the base frame is turned nor the units; rounding in Omega is
+/// relative to it.
 Vector block_weights(const Matrix& Omega, const TaskRows& rows) {
   double largest[2] = {0, 0};
   for (std::size_t i = 0; i < rows.size(); ++i)
-    largest[rows[i] / 3] = std::max(largest[rows[i] / 3], Omega(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
+    largest[rows[i] / 3] =
+        std::max(largest[rows[i] / 3], Omega(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
   Vector out(static_cast<Eigen::Index>(rows.size()));
-  for (std::size_t i = 0; i < rows.size(); ++i) out[static_cast<Eigen::Index>(i)] = std::sqrt(largest[rows[i] / 3]);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    out[static_cast<Eigen::Index>(i)] = std::sqrt(largest[rows[i] / 3]);
   return out;
 }
 
@@ -67,8 +70,8 @@ struct Scales {
   }
 };
 
-/// Sizes of the motions that joint rates (or accelerations) x add up to at the tip: angular, and linear with every lever
-/// as long as the reach, because the sum goes through the joints in between.
+/// Sizes of the motions that joint rates (or accelerations) x add up to at the tip: angular, and linear with
+/// every lever as long as the reach, because the sum goes through the joints in between.
 std::pair<double, double> sizes(const Evidence& e, const Vector& x) {
   const Vector sum = e.plant.tip.J.cwiseAbs() * x.cwiseAbs();
   const double angular = sum.head(3).maxCoeff();
@@ -93,8 +96,8 @@ Residual kinematics(const Evidence& e) {
 
 }  // namespace
 
-void fill_dense_side(Evidence& e, const Chain<double>& model, const Chain<double>& plant, std::span<const double> q,
-                     bool full_rank) {
+void fill_dense_side(Evidence& e, const Chain<double>& model, const Chain<double>& plant,
+                     std::span<const double> q, bool full_rank) {
   const auto joints = positions(model, q);
   e.gravity = plant.gravity;
   e.model = dense::state(model, joints, e.qd);
@@ -105,7 +108,8 @@ void fill_dense_side(Evidence& e, const Chain<double>& model, const Chain<double
   const auto at = dense::places(plant, dense::moving(plant, joints, e.qd));
   const Matrix3<double> R = values(at.tip.R), Rd = derivatives(at.tip.R);
   const Matrix3<double> spin = Rd * R.transpose();  // omega~
-  e.pose_rate.head(3) << (spin(2, 1) - spin(1, 2)) / 2, (spin(0, 2) - spin(2, 0)) / 2, (spin(1, 0) - spin(0, 1)) / 2;
+  e.pose_rate.head(3) << (spin(2, 1) - spin(1, 2)) / 2, (spin(0, 2) - spin(2, 0)) / 2,
+      (spin(1, 0) - spin(0, 1)) / 2;
   e.pose_rate.tail(3) = derivatives(at.tip.p);
 }
 
@@ -119,7 +123,8 @@ int scaled_rank(const Matrix& A) {
   Vector d = A.diagonal().cwiseMax(0.0).cwiseSqrt();
   for (auto& x : d) x = x > 0 ? 1 / x : 0;
   const Matrix scaled = d.asDiagonal() * A * d.asDiagonal();
-  const Vector values = Eigen::SelfAdjointEigenSolver<Matrix>(scaled, Eigen::EigenvaluesOnly).eigenvalues().cwiseAbs();
+  const Vector values =
+      Eigen::SelfAdjointEigenSolver<Matrix>(scaled, Eigen::EigenvaluesOnly).eigenvalues().cwiseAbs();
   return static_cast<int>((values.array() > 1e-13 * values.maxCoeff()).count());
 }
 
@@ -138,12 +143,14 @@ Residuals assess(const Evidence& e) {
   // forward dynamics: the plant against M^-1 (T - C - G + J* F_ext)
   const auto& plant = e.plant.joint;
   const Vector s = plant.M.diagonal().cwiseSqrt();
-  const Matrix plant_Minv = dense::solve(dense::factor(plant.M), Matrix(Matrix::Identity(s.size(), s.size())));
+  const Matrix plant_Minv =
+      dense::solve(dense::factor(plant.M), Matrix(Matrix::Identity(s.size(), s.size())));
   const Vector forces = e.net_torque.cwiseAbs() + plant.C.cwiseAbs() + plant.G.cwiseAbs() +
                         e.plant.tip.J.transpose().cwiseAbs() * e.tip_force.cwiseAbs();
   const Vector qdd = dense::forward_dynamics(plant, e.plant.tip.J, e.net_torque, e.tip_force);
-  at(Claim::forward_dynamics) = bounded(Claim::forward_dynamics,
-                                        weighted(e.qdd, qdd, plant_Minv.cwiseAbs() * forces, s), scaled_condition(plant.M));
+  at(Claim::forward_dynamics) =
+      bounded(Claim::forward_dynamics, weighted(e.qdd, qdd, plant_Minv.cwiseAbs() * forces, s),
+              scaled_condition(plant.M));
 
   // the task: Omega, then everything that its inverse multiplies
   const auto m = static_cast<Eigen::Index>(e.rows.size());
@@ -153,21 +160,24 @@ Residuals assess(const Evidence& e) {
   Matrix Omega(m, m);
   for (Eigen::Index i = 0; i < m; ++i)
     for (Eigen::Index j = 0; j < m; ++j)
-      Omega(i, j) = e.recursive.Omega(e.rows[static_cast<std::size_t>(i)], e.rows[static_cast<std::size_t>(j)]);
+      Omega(i, j) =
+          e.recursive.Omega(e.rows[static_cast<std::size_t>(i)], e.rows[static_cast<std::size_t>(j)]);
   at(Claim::omega) = bounded(Claim::omega, (Omega - e.task.Omega).cwiseAbs().cwiseQuotient(dd).maxCoeff(), 1);
 
   if (e.terms.Lambda.size() == 0) return out;
   const double condition = condition_number(e.task.Omega.cwiseQuotient(dd));
   const Scales scale(e);
-  at(Claim::lambda) = bounded(Claim::lambda,
-                              ratio((e.recursive.Lambda - e.terms.Lambda).cwiseAbs().cwiseProduct(dd).maxCoeff(),
-                                    scale.Lambda.cwiseProduct(dd).maxCoeff()),
-                              condition);
+  at(Claim::lambda) =
+      bounded(Claim::lambda,
+              ratio((e.recursive.Lambda - e.terms.Lambda).cwiseAbs().cwiseProduct(dd).maxCoeff(),
+                    scale.Lambda.cwiseProduct(dd).maxCoeff()),
+              condition);
   at(Claim::c) = bounded(Claim::c, weighted(e.recursive.c, e.terms.c, scale.Lambda * scale.c, d), condition);
   at(Claim::g) = bounded(Claim::g, weighted(e.recursive.g, e.terms.g, scale.Lambda * scale.g, d), condition);
-  at(Claim::c_plus_g) = bounded(
-      Claim::c_plus_g,
-      weighted(e.recursive.c_plus_g, e.terms.c + e.terms.g, scale.Lambda * (scale.c + scale.g), d), condition);
+  at(Claim::c_plus_g) =
+      bounded(Claim::c_plus_g,
+              weighted(e.recursive.c_plus_g, e.terms.c + e.terms.g, scale.Lambda * (scale.c + scale.g), d),
+              condition);
   if (!e.controlled) return out;
 
   // torque (16), with the null-space torque T0 projected: T = T0 + J* Lambda (u + right side - J M^-1 T0)
@@ -194,7 +204,8 @@ Residuals assess(const Evidence& e) {
   if (e.plant_is_model) {
     Vector reached(m);
     for (Eigen::Index i = 0; i < m; ++i) reached[i] = e.tip_acceleration[e.rows[static_cast<std::size_t>(i)]];
-    const Vector reach_scale = d * d.dot(e.F.cwiseAbs()) + right;  // rounding in Omega(i,j) is relative to d_i d_j
+    const Vector reach_scale =
+        d * d.dot(e.F.cwiseAbs()) + right;  // rounding in Omega(i,j) is relative to d_i d_j
     at(Claim::linearization) =
         bounded(Claim::linearization, weighted(reached, e.u, reach_scale, d.cwiseInverse()), 1);
   }

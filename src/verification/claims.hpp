@@ -1,10 +1,11 @@
 // What the verdict claims, and how far each claim is from true at one state: residual and bound.
 //
-// A residual is the largest |x - y| divided by the scale of the terms that were added to form y, never by y alone. Joint
-// quantities are weighed by sqrt(diag M), task quantities by the root of the largest diagonal entry of Omega in their block,
-// angular or linear, so that radians and metres, N m and N are never compared. A bound is a measured constant (bounds.hpp)
-// times eps times the condition number that governs the quantity: of M scaled to unit diagonal, or of Omega scaled by those
-// weights. Unit diagonal would hide a direction that the arm is about to lose: rounding in Omega is relative to its block.
+// A residual is the largest |x - y| divided by the scale of the terms that were added to form y, never by y
+// alone. Joint quantities are weighed by sqrt(diag M), task quantities by the root of the largest diagonal
+// entry of Omega in their block, angular or linear, so that radians and metres, N m and N are never compared.
+// A bound is a measured constant (bounds.hpp) times eps times the condition number that governs the quantity:
+// of M scaled to unit diagonal, or of Omega scaled by those weights. Unit diagonal would hide a direction
+// that the arm is about to lose: rounding in Omega is relative to its block.
 #pragma once
 
 #include <array>
@@ -62,23 +63,25 @@ struct Residual {
   double bound = 0;
   bool applies = true;
 };
-using Residuals = std::array<Residual, claim_count>;  // by Claim; the trajectory claims are left empty by `assess`
+using Residuals =
+    std::array<Residual, claim_count>;  // by Claim; the trajectory claims are left empty by `assess`
 
-/// One state as both sides see it. Joints base to tip; base frame, about the tip point; task quantities on `rows`.
+/// One state as both sides see it. Joints base to tip; base frame, about the tip point; task quantities on
+/// `rows`.
 struct Evidence {
   // given to both sides
   TaskRows rows;
-  VectorX<double> qd, u;                   // n; m
-  VectorX<double> T0, net_torque;          // n: null-space torque; torque on the plant without friction
-  Vector6 tip_force = Vector6::Zero();     // on the plant
-  bool controlled = true;                  // false: no task torque is formed (free swing)
-  bool plant_is_model = true;              // false: (5) need not hold
-  double reach = 1;                        // m, sum of the link offsets
+  VectorX<double> qd, u;                // n; m
+  VectorX<double> T0, net_torque;       // n: null-space torque; torque on the plant without friction
+  Vector6 tip_force = Vector6::Zero();  // on the plant
+  bool controlled = true;               // false: no task torque is formed (free swing)
+  bool plant_is_model = true;           // false: (5) need not hold
+  double reach = 1;                     // m, sum of the link offsets
   Vector3<double> gravity = Vector3<double>::Zero();  // m/s^2
 
   // from the recursions
   RecursiveTerms recursive;
-  VectorX<double> F, T, qdd;               // m; n: J* F + null space; n: of the plant
+  VectorX<double> F, T, qdd;  // m; n: J* F + null space; n: of the plant
   Vector6 tip_velocity = Vector6::Zero(), tip_acceleration = Vector6::Zero();
   Pose tip;
 
@@ -86,21 +89,24 @@ struct Evidence {
   dense::State<double> model, plant;
   dense::Mobility<double> task;
   dense::TaskTerms<double> terms;
-  Vector6 pose_rate = Vector6::Zero();     // derivative of the tip pose along qd
+  Vector6 pose_rate = Vector6::Zero();  // derivative of the tip pose along qd
 };
 
-/// Fills the dense side from the models' numbers and the state alone. q: n, base to tip. `terms` need full rank.
+/// Fills the dense side from the models' numbers and the state alone. q: n, base to tip. `terms` need full
+/// rank.
 void fill_dense_side(Evidence& evidence, const Chain<double>& model, const Chain<double>& plant,
                      std::span<const double> q, bool full_rank = true);
 
-/// 2-norm condition number of a symmetric positive definite matrix scaled to unit diagonal; infinite if it is not.
+/// 2-norm condition number of a symmetric positive definite matrix scaled to unit diagonal; infinite if it is
+/// not.
 double scaled_condition(const MatrixX<double>& A);
 
-/// Number of singular values of A, scaled to unit diagonal, above 1e-13 times the largest. Rows with a zero diagonal
-/// count as lost.
+/// Number of singular values of A, scaled to unit diagonal, above 1e-13 times the largest. Rows with a zero
+/// diagonal count as lost.
 int scaled_rank(const MatrixX<double>& A);
 
-/// Difference of the commanded tip force F_c (4) from Lambda u + c + g, as a residual; F is judged through the torque claim.
+/// Difference of the commanded tip force F_c (4) from Lambda u + c + g, as a residual; F is judged through
+/// the torque claim.
 double force_residual(const Evidence& evidence);
 
 /// Residual and bound of every claim that can be judged at one state.

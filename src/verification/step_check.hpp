@@ -9,8 +9,8 @@ namespace osculate {
 /// Sum of the distances between consecutive joint origins and the tip, m.
 double reach(const Chain<double>& chain);
 
-/// Evaluates the closed loop at (t, y) by the lines that the right-hand side runs, then the dense side from the models'
-/// numbers and (q, qd) alone.
+/// Evaluates the closed loop at (t, y) by the lines that the right-hand side runs, then the dense side from
+/// the models' numbers and (q, qd) alone.
 Evidence gather(ClosedLoop& loop, double t, std::span<const double> y);
 
 }  // namespace osculate

@@ -14,6 +14,7 @@ namespace {
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
 double total_energy(const Observation& seen) { return seen.kinetic + seen.potential; }
+double supplied(const Observation& seen) { return seen.work - seen.dissipated + seen.external_work; }
 
 }  // namespace
 
@@ -22,9 +23,12 @@ void GlobalError::add(const Observation& run, const Observation& shadow) {
   const Pose &a = run.command.tip, &b = shadow.command.tip;
   position = std::max(position, (a.p - b.p).norm());
   orientation = std::max(orientation, log_rotation(a.R * b.R.transpose()).norm());
-  energy = std::max(energy, std::abs(total_energy(run) - total_energy(shadow)) + std::abs(run.work - shadow.work) +
-                                std::abs(run.dissipated - shadow.dissipated) +
-                                std::abs(run.external_work - shadow.external_work));
+  energy =
+      std::max(energy, std::abs(total_energy(run) - total_energy(shadow)) + std::abs(run.work - shadow.work) +
+                           std::abs(run.dissipated - shadow.dissipated) +
+                           std::abs(run.external_work - shadow.external_work));
+  imbalance = std::max(
+      imbalance, std::abs(total_energy(run) - supplied(run) - (total_energy(shadow) - supplied(shadow))));
 }
 
 TrajectoryClaims::TrajectoryClaims(const ClosedLoop& loop, const Observation& start)
@@ -60,7 +64,8 @@ std::string TrajectoryClaims::reason(Claim claim) const {
   if (!controlled_) return "no tip command in a free swing";
   if (!plant_is_model_) return "plant and model differ on purpose";
   if (!angular_) return "only part of the rotation is controlled: its rows do not decouple";
-  if (claim == Claim::decoupling && std::none_of(uncommanded_.begin(), uncommanded_.end(), [](bool b) { return b; }))
+  if (claim == Claim::decoupling &&
+      std::none_of(uncommanded_.begin(), uncommanded_.end(), [](bool b) { return b; }))
     return "every controlled axis is commanded";
   return "";
 }
@@ -68,8 +73,8 @@ std::string TrajectoryClaims::reason(Claim claim) const {
 PoseError TrajectoryClaims::exact_error(double t) const {
   PoseError out;
   for (Eigen::Index i = 0; i < 6; ++i) {
-    const ErrorState s = linear_response(options_.stiffness[i], options_.damping[i], {segment_.e[i], segment_.ed[i]},
-                                         t - segment_start_);
+    const ErrorState s = linear_response(options_.stiffness[i], options_.damping[i],
+                                         {segment_.e[i], segment_.ed[i]}, t - segment_start_);
     out.e[i] = s.e;
     out.ed[i] = s.ed;
   }
@@ -92,13 +97,13 @@ void TrajectoryClaims::restart_at(double t) {
 }
 
 Residual TrajectoryClaims::energy(const Observation& seen, const GlobalError& error) {
-  const double supplied = seen.work - seen.dissipated + seen.external_work;
-  const double imbalance = std::abs(total_energy(seen) - energy_start_ - supplied);
-  energy_scale_ = std::max(energy_scale_, seen.kinetic + std::abs(seen.work) + seen.dissipated +
-                                              std::abs(seen.external_work) + std::abs(seen.potential - potential_start_));
+  const double imbalance = std::abs(total_energy(seen) - energy_start_ - supplied(seen));
+  energy_scale_ =
+      std::max(energy_scale_, seen.kinetic + std::abs(seen.work) + seen.dissipated +
+                                  std::abs(seen.external_work) + std::abs(seen.potential - potential_start_));
   // Each energy is a sum of n products, rounded relative to its own size, the potential to that of its terms.
   const double terms = energy_scale_ + std::abs(seen.potential) + std::abs(energy_start_);
-  const double bound = error_multiple * error.energy + rounding() * terms;
+  const double bound = error_multiple * error.imbalance + rounding() * terms;
   if (!error.known) return {0, 0, false};
   ++energy_steps_;
   widest_bound_ = std::max(widest_bound_, bound);

@@ -1,12 +1,13 @@
 // Claims about the whole trajectory, bounded by the run's own global error estimate.
 //
-// A local tolerance bounds no global error. The estimate is the largest difference so far between the run and its shadow, the
-// same problem at a hundredth of the tolerances: their errors differ by so much more than the shadow's own that the
-// difference is the run's error. A claim is bounded by `error_multiple` times it, plus rounding.
+// A local tolerance bounds no global error. The estimate is the largest difference so far between the run and
+// its shadow, the same problem at a hundredth of the tolerances: their errors differ by so much more than the
+// shadow's own that the difference is the run's error. A claim is bounded by `error_multiple` times it, plus
+// rounding.
 #pragma once
 
-#include "simulation/closed_loop.hpp"
 #include "control/linear_response.hpp"
+#include "simulation/closed_loop.hpp"
 #include "verification/verdict.hpp"
 
 namespace osculate {
@@ -16,13 +17,14 @@ struct GlobalError {
   double position = 0;     // m, tip point
   double orientation = 0;  // rad, tip
   double energy = 0;       // J, sum over kinetic + potential, work, dissipated and external work
+  double imbalance = 0;    // J, of their balance, in which the errors of work and loss mostly cancel
   bool known = false;      // false without a shadow run
 
   void add(const Observation& run, const Observation& shadow);
 };
 
-/// Multiple of the estimate that bounds a claim. The estimate misses the shadow's own error (a few per cent) and is a
-/// difference at accepted steps only.
+/// Multiple of the estimate that bounds a claim. The estimate misses the shadow's own error (a few per cent)
+/// and is a difference at accepted steps only.
 inline constexpr double error_multiple = 4;
 
 class TrajectoryClaims {
@@ -30,11 +32,13 @@ class TrajectoryClaims {
   /// `start` is the observation at t = 0; reach in m.
   TrajectoryClaims(const ClosedLoop& loop, const Observation& start);
 
-  /// Residuals of energy, analytic_response and decoupling at this instant, the others left empty. The energy residual
-  /// is relative to the energies moved so far; energy_result() judges it against those of the whole run.
+  /// Residuals of energy, analytic_response and decoupling at this instant, the others left empty. The energy
+  /// residual is relative to the energies moved so far; energy_result() judges it against those of the whole
+  /// run.
   Residuals assess(const Observation& seen, const GlobalError& error);
 
-  /// Call at a time where the reference jumps, before the next assess: the closed-form solution goes on from there.
+  /// Call at a time where the reference jumps, before the next assess: the closed-form solution goes on from
+  /// there.
   void restart_at(double t);
 
   /// The energy claim over the run so far.
@@ -54,7 +58,8 @@ class TrajectoryClaims {
   PoseError exact_error(double t) const;
   Residual energy(const Observation& seen, const GlobalError& error);
   /// Largest |difference| of the given rows against the global error, angular and linear apart.
-  Residual pose_residual(const Vector6& difference, const std::array<bool, 6>& rows, const GlobalError& error) const;
+  Residual pose_residual(const Vector6& difference, const std::array<bool, 6>& rows,
+                         const GlobalError& error) const;
 
   LawOptions options_;
   std::shared_ptr<const Path> path_;

@@ -33,7 +33,8 @@ bool Verdict::add(double t, const Residuals& residuals) {
   return worse;
 }
 
-std::array<ClaimResult, claim_count> Verdict::results(const std::array<std::string, claim_count>& reasons) const {
+std::array<ClaimResult, claim_count> Verdict::results(
+    const std::array<std::string, claim_count>& reasons) const {
   auto out = worst_;
   for (std::size_t i = 0; i < claim_count; ++i) {
     ClaimResult& r = out[i];
@@ -43,7 +44,8 @@ std::array<ClaimResult, claim_count> Verdict::results(const std::array<std::stri
     } else if (failed_[i]) {
       r.outcome = Outcome::fail;
       r.reason = "residual above its bound";
-    } else if (static_cast<double>(r.undecided_steps) > undecided_share * static_cast<double>(r.checked_steps)) {
+    } else if (static_cast<double>(r.undecided_steps) >
+               undecided_share * static_cast<double>(r.checked_steps)) {
       r.outcome = Outcome::fail;
       r.reason = "more than 1 % of the steps are undecided";
     } else {
@@ -54,7 +56,8 @@ std::array<ClaimResult, claim_count> Verdict::results(const std::array<std::stri
 }
 
 std::string verdict_table(const std::array<ClaimResult, claim_count>& results) {
-  std::string out = "claim              equation                 worst      bound      at time   undecided  result\n";
+  std::string out =
+      "claim              equation                 worst      bound      at time   undecided  result\n";
   for (std::size_t i = 0; i < claim_count; ++i) {
     const ClaimResult& r = results[i];
     const ClaimInfo& about = claim_table[i];
@@ -65,7 +68,8 @@ std::string verdict_table(const std::array<ClaimResult, claim_count>& results) {
     } else {
       std::snprintf(line, sizeof line, "%-18s %-24s %-9.2e  %-9.2e  %-9.4f %9ld  %s%s%s\n", about.id.data(),
                     about.equation.data(), r.worst.value, r.worst.bound, r.at_time, r.undecided_steps,
-                    r.outcome == Outcome::pass ? "pass" : "FAIL", r.reason.empty() ? "" : ": ", r.reason.c_str());
+                    r.outcome == Outcome::pass ? "pass" : "FAIL", r.reason.empty() ? "" : ": ",
+                    r.reason.c_str());
     }
     out += line;
   }

@@ -13,9 +13,9 @@ enum class Outcome { pass = 1, fail = 0, not_applicable = -1 };
 
 struct ClaimResult {
   Outcome outcome = Outcome::not_applicable;
-  std::string reason;               // why not applicable, or why failed
-  Residual worst;                   // of the step with the largest residual / bound
-  double at_time = 0;               // s
+  std::string reason;  // why not applicable, or why failed
+  Residual worst;      // of the step with the largest residual / bound
+  double at_time = 0;  // s
   long undecided_steps = 0, checked_steps = 0;
 };
 
@@ -24,7 +24,8 @@ class Verdict {
   /// Residuals of one accepted step. True if any claim came nearer to its bound than at any step before.
   bool add(double t, const Residuals& residuals);
   /// Final results; `reasons[i]` says why claim i never applied.
-  std::array<ClaimResult, claim_count> results(const std::array<std::string, claim_count>& reasons = {}) const;
+  std::array<ClaimResult, claim_count> results(
+      const std::array<std::string, claim_count>& reasons = {}) const;
 
  private:
   std::array<ClaimResult, claim_count> worst_{};

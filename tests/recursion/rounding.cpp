@@ -103,8 +103,8 @@ TEST_CASE("an arm of 60 joints agrees with the dense reference, one of 1000 obey
     const Vector scale = plain(space.Omega()).cwiseAbs() * plain(F).cwiseAbs() + Vector::Constant(6, terms);
     commanded.see_each(got - u, scale, "seed " + std::to_string(seed));
   }
-  check_within("Omega at 60", Omega, 34);                // seen 7.0
-  check_within("right side of c + g at 60", both, 230);  // seen 47
-  check_within("qdd at 60", qdd, 0.9);  // seen 0.19
+  check_within("Omega at 60", Omega, 34);                        // seen 7.0
+  check_within("right side of c + g at 60", both, 230);          // seen 47
+  check_within("qdd at 60", qdd, 0.9);                           // seen 0.19
   check_within("tip acceleration - u at 1000", commanded, 1.2);  // seen 0.26
 }

@@ -1,8 +1,9 @@
 // The wrapper of CVODE, on problems with known solutions.
+#include "simulation/cvode.hpp"
+
 #include <array>
 #include <cmath>
 
-#include "simulation/cvode.hpp"
 #include "support/catch.hpp"
 
 using namespace osculate;
@@ -101,13 +102,15 @@ TEST_CASE("stops carry their reason and keep the last accepted state") {
   });
   CHECK((blown == Reason::step_too_small || blown == Reason::non_finite || blown == Reason::failed));
   // Another exception of the right-hand side comes through unchanged.
-  Cvode other([](double, const double*, double*) { throw std::runtime_error("mine"); }, 0, y0, options(Method::bdf, 1e-8));
+  Cvode other([](double, const double*, double*) { throw std::runtime_error("mine"); }, 0, y0,
+              options(Method::bdf, 1e-8));
   CHECK_THROWS_WITH(other.step(1), "mine");
 }
 
 TEST_CASE("the same problem gives the same bits") {
   const std::array<double, 2> y0{1, 0};
-  Cvode a(oscillator, 0, y0, options(Method::adams, 1e-11)), b(oscillator, 0, y0, options(Method::adams, 1e-11));
+  Cvode a(oscillator, 0, y0, options(Method::adams, 1e-11)),
+      b(oscillator, 0, y0, options(Method::adams, 1e-11));
   while (a.t() < 5) {
     a.step(5);
     b.step(5);

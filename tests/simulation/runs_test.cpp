@@ -42,14 +42,14 @@ std::string number(double x) {
 TEST_CASE("the closed loop converges to the exact linear solution with its tolerance") {
   std::vector<double> tolerances, errors;
   for (const double rtol : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11}) {
-    const RunResult r = run(circle({"duration=3", "integrator.rtol=" + number(rtol), "integrator.atol=" + number(rtol / 100),
-                                    "verify.shadow=false"}),
+    const RunResult r = run(circle({"duration=3", "integrator.rtol=" + number(rtol),
+                                    "integrator.atol=" + number(rtol / 100), "verify.shadow=false"}),
                             {});
     REQUIRE(r.analytic);
     tolerances.push_back(rtol);
     errors.push_back(r.worst_position);
-    WARN("rtol " << rtol << ": tip error " << r.worst_position << " m, " << r.worst_orientation << " rad, " << r.steps
-                 << " steps");
+    WARN("rtol " << rtol << ": tip error " << r.worst_position << " m, " << r.worst_orientation << " rad, "
+                 << r.steps << " steps");
   }
   const auto [slope, scatter] = fitted_slope(tolerances, errors);
   WARN("fitted slope " << slope << ", scatter " << scatter << " decades");
@@ -59,11 +59,13 @@ TEST_CASE("the closed loop converges to the exact linear solution with its toler
 
 TEST_CASE("with fixed steps of the classical fourth-order method the closed loop converges with order four") {
   // No friction: its steps in tanh would need very small steps before the order shows.
-  const Experiment e = circle({"model.friction.viscous=[0,0,0,0,0,0]", "model.friction.coulomb_positive=[0,0,0,0,0,0]",
-                               "model.friction.coulomb_negative=[0,0,0,0,0,0]"});
+  const Experiment e =
+      circle({"model.friction.viscous=[0,0,0,0,0,0]", "model.friction.coulomb_positive=[0,0,0,0,0,0]",
+              "model.friction.coulomb_negative=[0,0,0,0,0,0]"});
   const Arms arms = make_arms(e);
   const Pose initial = tip_pose(arms.model, e.q);
-  ClosedLoop loop(Controller(arms.model, arms.friction, LawOptions{}, make_path(std::get<CircleOptions>(e.reference)), initial),
+  ClosedLoop loop(Controller(arms.model, arms.friction, LawOptions{},
+                             make_path(std::get<CircleOptions>(e.reference)), initial),
                   arms.plant);
   std::vector<double> start(loop.states(), 0.0);
   std::copy(e.q.begin(), e.q.end(), start.begin());
@@ -101,14 +103,16 @@ TEST_CASE("with fixed steps of the classical fourth-order method the closed loop
 
 TEST_CASE("a free swing keeps its energy to its tolerance") {
   for (const double rtol : {1e-6, 1e-8, 1e-10}) {
-    const RunResult r = run(circle({"controller.law=free", "duration=2", "integrator.rtol=" + number(rtol),
-                                    "integrator.atol=" + number(rtol / 100), "model.friction.viscous=[0,0,0,0,0,0]",
-                                    "model.friction.coulomb_positive=[0,0,0,0,0,0]",
-                                    "model.friction.coulomb_negative=[0,0,0,0,0,0]", "reference={type: hold}"}),
-                            {});
+    const RunResult r =
+        run(circle({"controller.law=free", "duration=2", "integrator.rtol=" + number(rtol),
+                    "integrator.atol=" + number(rtol / 100), "model.friction.viscous=[0,0,0,0,0,0]",
+                    "model.friction.coulomb_positive=[0,0,0,0,0,0]",
+                    "model.friction.coulomb_negative=[0,0,0,0,0,0]", "reference={type: hold}"}),
+            {});
     CHECK(r.exit == Exit::ok);
     const ClaimResult& energy = r.claims[index(Claim::energy)];
-    INFO("rtol " << rtol << ": imbalance " << energy.worst.value << " of the energy moved, " << r.steps << " steps");
+    INFO("rtol " << rtol << ": imbalance " << energy.worst.value << " of the energy moved, " << r.steps
+                 << " steps");
     CHECK(energy.outcome == Outcome::pass);
     // Each step leaves at most about rtol of the energy it touches.
     CHECK(energy.worst.value < static_cast<double>(r.steps) * rtol);
@@ -180,8 +184,9 @@ TEST_CASE("a wrong model is not a broken theory") {
 }
 
 TEST_CASE("a jump of the reference restarts the integrator and the closed form") {
-  for (const char* reference : {"reference={type: step, offset: [0.1, 0, 0, 0, 0.02, 0.01], at: 0.4}",
-                                "reference={type: line, offset: [0, 0.2, 0, 0.03, 0, 0], start: 0.2, duration: 0.5}"}) {
+  for (const char* reference :
+       {"reference={type: step, offset: [0.1, 0, 0, 0, 0.02, 0.01], at: 0.4}",
+        "reference={type: line, offset: [0, 0.2, 0, 0.03, 0, 0], start: 0.2, duration: 0.5}"}) {
     INFO(reference);
     const RunResult r = run(circle({"duration=1", "initial.q=[0, -0.8, 0.4, 0, 0.9, 0]", reference}), {});
     CHECK(r.exit == Exit::ok);
@@ -191,7 +196,8 @@ TEST_CASE("a jump of the reference restarts the integrator and the closed form")
 }
 
 TEST_CASE("the stiff method agrees with the closed form too") {
-  const RunResult r = run(circle({"duration=0.5", "integrator.method=bdf", "integrator.rtol=1e-8", "integrator.atol=1e-10"}), {});
+  const RunResult r = run(
+      circle({"duration=0.5", "integrator.method=bdf", "integrator.rtol=1e-8", "integrator.atol=1e-10"}), {});
   CHECK(r.exit == Exit::ok);
   CHECK(r.worst_position < 1e-6);
 }

@@ -1,23 +1,27 @@
-// The states from which the bounds of the verdict are measured: random arms of every kind, at random states, evaluated
-// by the lines that a run evaluates. A seed names one state.
+// The states from which the bounds of the verdict are measured: random arms of every kind, at random states,
+// evaluated by the lines that a run evaluates. A seed names one state.
 #pragma once
 
-#include "support/random_arm.hpp"
 #include "control/rotation.hpp"
 #include "model/urdf.hpp"
 #include "simulation/cvode.hpp"
+#include "support/random_arm.hpp"
 #include "verification/step_check.hpp"
 
 namespace osculate::testing {
 
-/// One of the arms in models/ that can hold a pose, without motors or with the inertia of some, in a random state.
+/// One of the arms in models/ that can hold a pose, without motors or with the inertia of some, in a random
+/// state.
 inline RandomArm shipped_arm(Random& random) {
   static const std::vector<Chain<double>> arms = [] {
     std::vector<Chain<double>> out;
     for (const char* name : {"puma560", "puma560_akb86", "arm7", "prismatic_arm"}) {
       ChainChoice choice;
       choice.tip = "tool0";
-      out.push_back(load_urdf(std::filesystem::path(OSCULATE_SOURCE_DIR) / "models" / (std::string(name) + ".urdf"), choice).chain);
+      out.push_back(
+          load_urdf(std::filesystem::path(OSCULATE_SOURCE_DIR) / "models" / (std::string(name) + ".urdf"),
+                    choice)
+              .chain);
     }
     return out;
   }();
@@ -35,9 +39,9 @@ inline RandomArm shipped_arm(Random& random) {
   return arm;
 }
 
-/// One state in four is of a shipped arm. The others have n = 6..9 links; in half of them the masses fall along the chain,
-/// as in real arms, by up to 1000 from base to tip; one in eight is nearly singular. One in eight of all is slow. u comes
-/// from a random pose error.
+/// One state in four is of a shipped arm. The others have n = 6..9 links; in half of them the masses fall
+/// along the chain, as in real arms, by up to 1000 from base to tip; one in eight is nearly singular. One in
+/// eight of all is slow. u comes from a random pose error.
 inline Evidence sample_state(std::uint64_t seed) {
   Random random(seed ^ 0x05c111a7e);
   RandomArm arm;

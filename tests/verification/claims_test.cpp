@@ -33,8 +33,7 @@ Evidence ordinary_state(std::uint64_t from) {
     try {
       Evidence e = sample_state(seed);
       if (e.qd.size() > 6 && e.T0.cwiseAbs().maxCoeff() > 0 && scaled_condition(e.task.Omega) < 1e4) return e;
-    } catch (const IntegrationStopped&) {
-    }
+    } catch (const IntegrationStopped&) {}
   }
 }
 
@@ -82,9 +81,7 @@ TEST_CASE("the table of bounds is neither exceeded nor slack") {
     Residuals residuals;
     try {
       residuals = assess(sample_state(seed));
-    } catch (const IntegrationStopped&) {
-      return;
-    }
+    } catch (const IntegrationStopped&) { return; }
     for (std::size_t i = 0; i < worst.size(); ++i) {
       if (!residuals[i].applies || residuals[i].bound > undecided_bound) continue;
       INFO("seed " << seed << ", claim " << measured_bounds[i].claim);
@@ -96,7 +93,8 @@ TEST_CASE("the table of bounds is neither exceeded nor slack") {
   for (std::uint64_t seed = 10'000'001; seed <= 10'004'000; ++seed) look(seed);
   for (const auto& row : measured_bounds) look(row.seed);
   for (std::size_t i = 0; i < worst.size(); ++i) {
-    INFO(measured_bounds[i].claim << ": constant " << measured_bounds[i].constant << ", worst seen here " << worst[i]);
+    INFO(measured_bounds[i].claim << ": constant " << measured_bounds[i].constant << ", worst seen here "
+                                  << worst[i]);
     CHECK(measured_bounds[i].constant <= 5 * worst[i]);
     CHECK(std::string(measured_bounds[i].claim) == claim_table[i].id);
   }
@@ -115,7 +113,8 @@ Moving moving_arm() {
   const RandomArm arm = random_arm(4, 7);
   const Pose pose = tip_pose(arm.chain, {arm.q.data(), 7});
   LawOptions options;
-  ClosedLoop loop(Controller(arm.chain, {}, options, make_path(CircleOptions{}), pose), Plant{arm.chain, {}, Vector6::Zero()});
+  ClosedLoop loop(Controller(arm.chain, {}, options, make_path(CircleOptions{}), pose),
+                  Plant{arm.chain, {}, Vector6::Zero()});
   std::vector<double> y(loop.states(), 0.0);
   for (std::size_t i = 0; i < 7; ++i) y[i] = arm.q[static_cast<Eigen::Index>(i)];
   const Observation start = loop.observe(0, y);
@@ -123,7 +122,7 @@ Moving moving_arm() {
   error.known = true;
   error.position = 1e-9;
   error.orientation = 1e-9;
-  error.energy = 1e-8;
+  error.imbalance = 1e-8;
   return {std::move(loop), start, error};
 }
 
@@ -152,7 +151,8 @@ TEST_CASE("every trajectory claim passes at the exact solution and fails ten bou
   CHECK(coupled[index(Claim::decoupling)].value > coupled[index(Claim::decoupling)].bound);
   off = m.start;
   off.command.error.e[1] += 10 * error_multiple * m.error.orientation;
-  CHECK(claims.assess(off, m.error)[index(Claim::decoupling)].value > coupled[index(Claim::decoupling)].bound);
+  CHECK(claims.assess(off, m.error)[index(Claim::decoupling)].value >
+        coupled[index(Claim::decoupling)].bound);
 
   // Energy: 5 J of work became 5 J of motion; then 10 bounds are missing.
   TrajectoryClaims balanced(m.loop, m.start), cheated(m.loop, m.start);
@@ -163,7 +163,7 @@ TEST_CASE("every trajectory claim passes at the exact solution and fails ten bou
   const Residual good = balanced.assess(later, m.error)[index(Claim::energy)];
   CHECK(good.value <= good.bound);
   CHECK(balanced.energy_result().outcome == Outcome::pass);
-  later.kinetic += 10 * error_multiple * m.error.energy;
+  later.kinetic += 10 * error_multiple * m.error.imbalance;
   const Residual bad = cheated.assess(later, m.error)[index(Claim::energy)];
   CHECK(bad.value > bad.bound);
   CHECK(cheated.energy_result().outcome == Outcome::fail);
