@@ -14,7 +14,7 @@
 
 namespace osculate {
 
-/// Exit codes of the program (docs/experiment-file.md). The gravest of several runs wins.
+/// Exit codes of the program (README.md). The gravest of several runs wins.
 enum class Exit {
   ok = 0,
   claim_failed = 1,
