@@ -44,14 +44,6 @@ void require_link(const Tree& tree, const std::string& role, const std::string& 
                    " is not in the file. Nearest names: " + joined(nearest, 3) + ".");
 }
 
-/// Links that carry no joint: the candidates for a tip.
-std::vector<std::string> leaves(const Tree& tree) {
-  std::vector<std::string> names;
-  for (const auto& [name, link] : tree.links)
-    if (!tree.joints_out_of.contains(name)) names.push_back(name);
-  return names;
-}
-
 /// Joint indices from base to tip.
 std::vector<int> path(const Tree& tree, const std::string& base, const std::string& tip) {
   std::vector<int> joints;
@@ -79,11 +71,26 @@ void require_supported(const Tree& tree, const TreeJoint& joint) {
         where + " on the chain mimics joint " + in_quotes(*joint.mimics) +
         ": the equations of motion used here need every joint of the chain to move independently. Choose "
         "a tip before it, or make it fixed or independent in the file.");
-  if (joint.type == TreeJointType::floating || joint.type == TreeJointType::planar)
-    throw ModelError(
-        where + " on the chain is " + (joint.type == TreeJointType::floating ? "floating" : "planar") +
-        ": not supported yet. Choose a base outboard of it, or replace it by revolute and prismatic "
-        "joints.");
+}
+
+JointType type_of(const TreeJoint& joint) {
+  switch (joint.type) {
+    case TreeJointType::prismatic:
+      return JointType::prismatic;
+    case TreeJointType::planar:
+      return JointType::planar;
+    case TreeJointType::floating:
+      return JointType::floating;
+    default:
+      return JointType::revolute;
+  }
+}
+
+/// The first direction of a planar joint: the joint's x axis laid into the plane, or its y axis where x is
+/// nearly the normal.
+Vector3<double> in_plane(const Vector3<double>& normal) {
+  const Vector3<double> x = std::abs(normal[0]) < 0.9 ? Vector3<double>::UnitX() : Vector3<double>::UnitY();
+  return (x - normal * normal.dot(x)).normalized();
 }
 
 /// Unit vector along the file's axis. Scaled first, so that no length overflows or vanishes.
@@ -106,7 +113,7 @@ JointInfo info(const Tree& tree, const TreeJoint& joint, std::vector<std::string
   JointInfo out;
   out.name = joint.name;
   out.link = joint.child;
-  out.type = joint.type == TreeJointType::prismatic ? JointType::prismatic : JointType::revolute;
+  out.type = type_of(joint);
   out.continuous = joint.type == TreeJointType::continuous;
   out.velocity = joint.velocity;
   out.effort = joint.effort;
@@ -216,10 +223,11 @@ struct Collector {
       require_supported(tree, joint);
       close_carrier();
       Link<double> link;
-      link.type = joint.type == TreeJointType::prismatic ? JointType::prismatic : JointType::revolute;
+      link.type = type_of(joint);
       link.R_origin = at.R;
       link.p_origin = at.p;
-      link.axis = unit_axis(tree, joint, arm.warnings);
+      if (link.type != JointType::floating) link.axis = unit_axis(tree, joint, arm.warnings);
+      if (link.type == JointType::planar) link.axis2 = in_plane(link.axis);
       arm.chain.links.push_back(link);
       arm.joints.push_back(info(tree, joint, arm.warnings));
       carrier = joint.child;
@@ -233,6 +241,13 @@ struct Collector {
 };
 
 }  // namespace
+
+std::vector<std::string> leaves(const Tree& tree) {
+  std::vector<std::string> names;
+  for (const auto& [name, link] : tree.links)
+    if (!tree.joints_out_of.contains(name)) names.push_back(name);
+  return names;
+}
 
 ArmDescription extract_chain(const Tree& tree, const ChainChoice& choice) {
   ArmDescription arm;
@@ -256,8 +271,8 @@ ArmDescription extract_chain(const Tree& tree, const ChainChoice& choice) {
   if (arm.chain.links.empty())
     throw ModelError(tree.source + ": no movable joint between base link " + in_quotes(arm.base) +
                      " and tip link " + in_quotes(arm.tip) +
-                     ": there is nothing to control. Choose links with a revolute, continuous or "
-                     "prismatic joint between them.");
+                     ": there is nothing to control. Choose links with a movable joint "
+                     "between them.");
   arm.chain.R_tip = collector.at.R;
   arm.chain.p_tip = collector.at.p;
   return arm;

@@ -52,6 +52,9 @@ void connect(Tree& tree);
 /// One sentence for every link whose numbers cannot be used, "link 'x': reason". Empty: all is well.
 std::vector<std::string> number_faults(const Tree& tree);
 
+/// Links that carry no joint: the candidates for a tip.
+std::vector<std::string> leaves(const Tree& tree);
+
 /// The chain from base to tip with everything else lumped. Needs a connected tree without number faults.
 /// Throws ModelError for names, joints and axes that make no chain.
 ArmDescription extract_chain(const Tree& tree, const ChainChoice& choice);

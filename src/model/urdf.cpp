@@ -312,6 +312,10 @@ ArmDescription load_urdf(const std::filesystem::path& file, const ChainChoice& c
   return parse_urdf(read_file(file), file.string(), choice);
 }
 
+std::vector<std::string> tip_candidates(const std::filesystem::path& file) {
+  return leaves(read_tree(read_file(file), file.string()));
+}
+
 std::vector<std::string> list_urdf(const std::filesystem::path& file) {
   return list_tree(read_tree(read_file(file), file.string()));
 }

@@ -63,6 +63,9 @@ ArmDescription load_urdf(const std::filesystem::path& file, const ChainChoice& c
 /// The same from text already in memory; `source` is what messages call it.
 ArmDescription parse_urdf(const std::string& text, const std::string& source, const ChainChoice& choice);
 
+/// Links of a file that end a branch: the candidates for a tip.
+std::vector<std::string> tip_candidates(const std::filesystem::path& file);
+
 /// The whole tree of a file, for `osculate info` without a chain: one printable line for each link and joint.
 std::vector<std::string> list_urdf(const std::filesystem::path& file);
 

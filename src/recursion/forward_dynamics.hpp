@@ -8,57 +8,77 @@
 
 namespace osculate {
 
-/// The true arm. Joint lists run base to tip; base frame, about the tip point. No allocation after
-/// construction.
-template <Field S>
-class ForwardDynamics {
+/// The true arm. Joint lists run base to tip, one entry for each velocity coordinate; inertial frame (that of
+/// a base at rest), about the tip point. No allocation after construction.
+template <class H>
+class BasicForwardDynamics {
  public:
-  explicit ForwardDynamics(const Chain<S>& chain) : builder_(chain), x_(chain.n()) {}
+  using S = typename H::Scalar;
+
+  explicit BasicForwardDynamics(const Chain<S>& chain)
+      : builder_(chain), order_(chain), x_(chain.n()), ground_(builder_.ground()) {}
 
   int n() const { return builder_.n(); }
 
   void place(const std::vector<JointPosition<S>>& joints) { builder_.place(joints, arm_); }
+  /// The base moves as prescribed; call before place. Without this call it is at rest in the inertial frame.
+  void move_base(const BaseMotion<S>& base) {
+    arm_.base = builder_.placement(base);
+    ground_ = builder_.ground(base);
+  }
 
   /// qdd for joint torques T (friction already subtracted) and the wrench F_ext on the tip.
   void accelerations(std::span<const S> qd, std::span<const S> T, const Vec<Force, S>& F_ext,
                      std::span<S> qdd) {
-    for (int k = 1; k <= n(); ++k) x_[k].T0 = T[static_cast<std::size_t>(n() - k)];
-    sweep_velocities(arm_, TipFirst<S>{qd.data(), n()}, builder_.a_g(), x_);
-    sweep_articulated(arm_, F_ext, x_);
-    sweep_accelerations(arm_, builder_.a_g(), x_);
-    for (int k = 1; k <= n(); ++k) qdd[static_cast<std::size_t>(n() - k)] = x_[k].thdd;
+    for (int k = 1; k <= n(); ++k) x_[k].T0 = joint_entry<H>(order_, T, k);
+    sweep_velocities(arm_, JointList<H>{order_, qd}, ground_, x_);
+    sweep_articulated(arm_, {}, F_ext, x_);
+    sweep_accelerations(arm_, ground_, x_);
+    for (int k = 1; k <= n(); ++k) set_joint_entry<H>(order_, qdd, k, x_[k].thdd);
   }
 
   const Vec<Motion, S>& tip_velocity() const { return x_[0].V; }
   const Vec<Motion, S>& tip_acceleration() const { return x_[0].alpha; }
-  const Mat3<S>& tip_rotation() const { return arm_.R_tip; }
-  const Vec3<S>& tip_position() const { return arm_.p_tip; }
+  const Mat3<S>& tip_rotation() const { return arm_.tip.R; }
+  const Vec3<S>& tip_position() const { return arm_.tip.p; }
 
-  /// Kinetic energy of links and rotors after accelerations(), J.
+  /// Kinetic energy of links and rotors after accelerations(), J. A moving base has the links move with it.
   S kinetic_energy(std::span<const S> qd) const {
     S twice = S(0);
     for (int k = 1; k <= n(); ++k) {
-      const S& rate = qd[static_cast<std::size_t>(n() - k)];
-      twice = twice + dot(arm_[k].M * x_[k].V, x_[k].V) + arm_[k].J.d * rate * rate;
+      const auto rate = joint_entry<H>(order_, qd, k);
+      twice = twice + dot(arm_[k].M * x_[k].V, x_[k].V) +
+              seeded(Fault::rotor_energy, product(rate, arm_[k].J * rate));
     }
     return twice / S(2);
   }
 
-  /// Potential energy, zero when every centre of mass is at the base origin, J.
+  /// Potential energy, zero when every centre of mass is at the origin of the inertial frame, J.
   S potential_energy() const {
     S U = S(0);
-    Vec3<S> O;  // O(k)
+    Vec3<S> O = arm_.base.p;  // O(k)
     for (int k = n(); k >= 1; --k) {
       O = O + arm_[k].phi.l;
-      U = U + dot(builder_.a_g().lin, arm_[k].M.mp + O * arm_[k].M.m);
+      U = U + dot(ground_.a_g.lin, arm_[k].M.mp + seeded(Fault::weight, O * arm_[k].M.m));
     }
     return U;
   }
 
  private:
-  ArmBuilder<S> builder_;
-  BasicArm<Hinge<S>> arm_;
-  Passes<Hinge<S>> x_;
+  static S product(const S& a, const S& b) { return a * b; }
+  static S product(const JointVector<S>& a, const JointVector<S>& b) {
+    S sum = S(0);
+    for (int i = 0; i < a.m; ++i) sum = sum + a[i] * b[i];
+    return sum;
+  }
+
+  BasicArmBuilder<H> builder_;
+  JointOrder order_;
+  BasicArm<H> arm_;
+  Passes<H> x_;
+  Ground<S> ground_;
 };
+template <Field S>
+using ForwardDynamics = BasicForwardDynamics<Hinge<S>>;
 
 }  // namespace osculate

@@ -1,4 +1,5 @@
-// The four sweeps put together: Omega(0), c(0), g(0), F_c and T at one state, O(n).
+// The four sweeps put together: Omega(0), c(0), g(0), F_c and T at one state, O(n); and the forms with fewer
+// sweeps that use values of the sample before (end of sections 4.2 and 5).
 #pragma once
 
 #include <span>
@@ -8,68 +9,192 @@
 
 namespace osculate {
 
-/// Operational-space dynamics of one arm at one state. Joint lists run base to tip. Base frame, about the tip
-/// point. No allocation after construction. Cost: place + four sweeps + one factorisation of at most 6 x 6.
-template <Field S>
-class OperationalSpace {
+/// What a sampled controller takes from the sample before, to save sweeps.
+enum class Delay {
+  none,      // four sweeps
+  velocity,  // a, b, a(0): three sweeps
+  force,     // F_c: three sweeps
+  both,      // two sweeps
+};
+
+/// Operational-space dynamics of one arm at one state. Joint lists run base to tip, one entry for each
+/// velocity coordinate. Results in the inertial frame (that of a base at rest), about the tip point, also
+/// where H works in link frames. No allocation after construction. Cost: place + four sweeps + one
+/// factorisation of at most 6 x 6.
+template <class H>
+class BasicOperationalSpace {
  public:
-  explicit OperationalSpace(const Chain<S>& chain) : builder_(chain), x_(chain.n()) {}
+  using S = typename H::Scalar;
+
+  explicit BasicOperationalSpace(const Chain<S>& chain)
+      : builder_(chain), order_(chain), x_(chain.n()), ground_(builder_.ground()) {
+    if constexpr (in_link_frames<H>) last_.resize(static_cast<std::size_t>(chain.n()) + 1);
+  }
 
   int n() const { return builder_.n(); }
 
   /// Sets the configuration.
   void place(const std::vector<JointPosition<S>>& joints) { builder_.place(joints, arm_); }
+  /// The base moves as prescribed; call before place. Without this call it is at rest in the inertial frame.
+  void move_base(const BaseMotion<S>& base) {
+    arm_.base = builder_.placement(base);
+    ground_ = builder_.ground(base);
+  }
 
   /// Sweeps 1 to 3 with gravity: afterwards right_side() = Omega (c + g) (65), corrected for gravity. T0:
-  /// joint torques that will be applied anyway; the right side then is Omega (c + g) - J M^-1 T0.
-  void sweep(std::span<const S> qd, std::span<const S> T0 = {}) {
+  /// joint torques that will be applied anyway; F_ext: known wrench on the tip, inertial frame, about the tip
+  /// point. The right side then is Omega (c + g - F_ext) - J M^-1 T0.
+  void sweep(std::span<const S> qd, std::span<const S> T0 = {}, const Vec<Force, S>& F_ext = {}) {
     set_torques(T0);
-    sweep_velocities(arm_, rates(qd), builder_.a_g(), x_);
-    sweep_articulated(arm_, {}, x_);
-    sweep_compliance(arm_, builder_.a_g(), x_);
+    sweep_velocities(arm_, rates(qd), ground_, x_);
+    sweep_articulated(arm_, ground_, seen(F_ext), x_);
+    sweep_compliance(arm_, seen(ground_.a_g), x_);
   }
 
   /// Sweep 1 alone: tip velocity.
-  void sweep_tip_velocity(std::span<const S> qd) { sweep_velocities(arm_, rates(qd), builder_.a_g(), x_); }
+  void sweep_tip_velocity(std::span<const S> qd) { sweep_velocities(arm_, rates(qd), ground_, x_); }
 
-  /// Right side of Omega(0) c = ... (65), without gravity and joint torques. Runs sweeps 1 to 3 again.
+  /// Right side of Omega(0) c = ... (65), without gravity and joint torques; what a moving base adds is in
+  /// it. Runs sweeps 1 to 3 again.
   Vec<Motion, S> right_side_of_c(std::span<const S> qd) {
     set_torques({});
-    sweep_velocities(arm_, rates(qd), {}, x_);
-    sweep_articulated(arm_, {}, x_);
+    Ground<S> weightless = ground_;
+    weightless.A = ground_.A - base_axes(ground_.a_g);
+    weightless.a_g = {};
+    sweep_velocities(arm_, rates(qd), weightless, x_);
+    sweep_articulated(arm_, weightless, {}, x_);
     sweep_compliance(arm_, {}, x_);
-    return x_[0].eta;
+    return right_side();
   }
 
   /// Right side of Omega(0) g = ... (72). After sweep().
   Vec<Motion, S> right_side_of_g() {
-    sweep_gravity(arm_, builder_.a_g(), x_);
-    return x_[0].eta_g;
+    sweep_gravity(arm_, base_axes(ground_.a_g), x_);
+    return inertial(x_[0].eta_g);
   }
 
   /// Sweep 4: T = J* F + T0, base to tip (39).
   void torques(const Vec<Force, S>& F, std::span<S> T) {
-    sweep_torques(arm_, F, x_);
-    for (int k = 1; k <= n(); ++k) T[static_cast<std::size_t>(n() - k)] = x_[k].T + x_[k].T0;
+    sweep_torques(arm_, seen(F), x_);
+    give_torques(T);
   }
 
-  const Vec<Motion, S>& tip_velocity() const { return x_[0].V; }
-  const Mat3<S>& tip_rotation() const { return arm_.R_tip; }
-  const Vec3<S>& tip_position() const { return arm_.p_tip; }
-  const Compliance<S>& Omega() const { return x_[0].Omega; }
-  const Vec<Motion, S>& right_side() const { return x_[0].eta; }
+  /// One sample of a controller with delay, in link frames; `finish_sample` must follow. Afterwards Omega,
+  /// right_side and the tip are those of this sample, as far as the delay lets them. The first sample is
+  /// exact and fills the memory. F_ext enters at the tip, as - Omega(0) F_ext: before sweep 2, where z(0) =
+  /// -F_ext stands otherwise, the tip's axes of this sample may not be known.
+  void begin_sample(Delay delay, bool extrapolate, std::span<const S> qd, std::span<const S> T0,
+                    const Vec<Force, S>& F_ext = {}) {
+    static_assert(in_link_frames<H>, "delayed values are kept in link axes");
+    set_torques(T0);
+    const bool old_velocities = filled_ && (delay == Delay::velocity || delay == Delay::both);
+    old_force_ = filled_ && (delay == Delay::force || delay == Delay::both);
+    if (!old_velocities) sweep_velocities(arm_, rates(qd), ground_, x_);
+    if (old_force_)
+      sweep_articulated_and_torques(arm_, ground_, {}, F_, x_);
+    else
+      sweep_articulated(arm_, ground_, {}, x_);
+    if (old_velocities)
+      sweep_compliance_and_velocities(arm_, rates(qd), ground_, x_);
+    else
+      sweep_compliance(arm_, seen(ground_.a_g), x_);
+    x_[0].eta = x_[0].eta - seeded(Fault::sampled_wrench, x_[0].Omega * seen(F_ext));
+    if (delay == Delay::velocity || delay == Delay::both) keep_velocities(extrapolate);
+  }
+
+  /// Ends a sample: T = J* F + T0 with F of this sample, or of the one before where the delay says so.
+  void finish_sample(bool extrapolate, const Vec<Force, S>& F, std::span<S> T) {
+    const Vec<Force, S> F_now = seen(F);
+    if (!old_force_) sweep_torques(arm_, F_now, x_);
+    give_torques(T);
+    F_ = extrapolate && filled_ ? extrapolated(Fault::extrapolated_force, F_now, last_F_) : F_now;
+    if (faulty(Fault::force_too_old)) F_ = filled_ ? last_F_ : F_now;
+    last_F_ = F_now;
+    filled_ = true;
+  }
+
+  Vec<Motion, S> tip_velocity() const { return inertial(x_[0].V); }
+  const Mat3<S>& tip_rotation() const { return tip().R; }
+  const Vec3<S>& tip_position() const { return tip().p; }
+  decltype(auto) Omega() const {
+    if constexpr (in_link_frames<H>)
+      return turned(x_.tip.R, x_[0].Omega);
+    else
+      return (x_[0].Omega);
+  }
+  Vec<Motion, S> right_side() const { return inertial(x_[0].eta); }
   /// D(k) of the last sweep, paper numbering 1..n.
-  const S& articulated_joint_inertia(int k) const { return x_[k].D.d; }
+  const typename H::JointInertia& articulated_joint_inertia(int k) const { return x_[k].D; }
+  /// Sweeps along the arm so far, forward kinematics of `place` not counted.
+  long sweeps() const { return x_.sweeps; }
 
  private:
-  TipFirst<S> rates(std::span<const S> qd) const { return {qd.data(), n()}; }
+  JointList<H> rates(std::span<const S> qd) const { return {order_, qd}; }
   void set_torques(std::span<const S> T0) {
-    for (int k = 1; k <= n(); ++k) x_[k].T0 = T0.empty() ? S(0) : T0[static_cast<std::size_t>(n() - k)];
+    for (int k = 1; k <= n(); ++k) x_[k].T0 = joint_entry<H>(order_, T0, k);
+  }
+  void give_torques(std::span<S> T) const {
+    for (int k = 1; k <= n(); ++k)
+      set_joint_entry<H>(order_, T, k, x_[k].T + seeded(Fault::null_space_torque, x_[k].T0));
+  }
+  const Placement<S>& tip() const { return in_link_frames<H> ? x_.tip : arm_.tip; }
+  /// Between the inertial frame and the axes in which the sweeps hold the tip's vectors.
+  template <class Space>
+  Vec<Space, S> inertial(const Vec<Space, S>& v) const {
+    if constexpr (in_link_frames<H>)
+      return turned(x_.tip, v);
+    else
+      return v;
+  }
+  template <class Space>
+  Vec<Space, S> seen(const Vec<Space, S>& v) const {
+    if constexpr (in_link_frames<H>)
+      return seen_from(x_.tip, v);
+    else
+      return v;
+  }
+  Vec<Motion, S> base_axes(const Vec<Motion, S>& v) const {
+    if constexpr (in_link_frames<H>)
+      return seen_from(arm_.base, v);
+    else
+      return v;
   }
 
-  ArmBuilder<S> builder_;
-  BasicArm<Hinge<S>> arm_;
-  Passes<Hinge<S>> x_;
+  /// 2 x(-1) - x(-2)
+  template <class Space>
+  static Vec<Space, S> extrapolated(Fault fault, const Vec<Space, S>& now, const Vec<Space, S>& last) {
+    return now + seeded(fault, now - last);
+  }
+  /// The biases of this state become those that the next sample uses.
+  void keep_velocities(bool extrapolate) {
+    for (int k = 0; k <= n(); ++k) {
+      auto& [a, b] = last_[static_cast<std::size_t>(k)];
+      const Bias now{x_[k].a, x_[k].b};
+      if (extrapolate && filled_) {
+        x_[k].a = extrapolated(Fault::extrapolated_velocity, now.a, a);
+        x_[k].b = extrapolated(Fault::extrapolated_velocity, now.b, b);
+      }
+      if (faulty(Fault::velocity_too_old) && filled_) x_[k].a = a, x_[k].b = b;
+      a = now.a, b = now.b;
+    }
+  }
+
+  struct Bias {
+    Vec<Motion, S> a;
+    Vec<Force, S> b;
+  };
+
+  BasicArmBuilder<H> builder_;
+  JointOrder order_;
+  BasicArm<H> arm_;
+  Passes<H> x_;
+  Ground<S> ground_;
+  // memory of a sampled controller, link axes
+  bool filled_ = false, old_force_ = false;
+  std::vector<Bias> last_;
+  Vec<Force, S> F_, last_F_;
 };
+template <Field S>
+using OperationalSpace = BasicOperationalSpace<Hinge<S>>;
 
 }  // namespace osculate

@@ -1,5 +1,6 @@
 // Linear maps that know their spaces: a forgotten star does not compile. `A.T()` is the paper's A*.
-// Everything is resolved in one frame (the base frame), so phi is a pure shift. Angular part first.
+// With everything resolved in one frame phi is a pure Shift; between link frames it also turns (TurnedShift).
+// Angular part first.
 //
 //   phi, psi: Force <- Force      H: Torque <- Force      M, P: Force <- Motion      Omega: Motion <- Force
 //   D: Torque <- Rate             G, K: Force <- Torque
@@ -65,6 +66,41 @@ template <Field S>
 constexpr Vec<Motion, S> operator*(const Star<Shift<S>>& phi, const Vec<Motion, S>& V) {
   return {V.ang, V.lin + seeded(Fault::shift_motion, cross(V.ang, phi.map.l))};
 }
+
+/// phi(k+1,k) between link frames: the vectors of link k are resolved in its own axes, which R turns into
+/// those of link k+1.
+template <Field S>
+struct TurnedShift {
+  Mat3<S> R;
+  Vec3<S> l;  // O(k) - O(k+1), m, axes of link k+1
+  constexpr Star<TurnedShift> T() const { return {*this}; }
+};
+template <Field S>
+constexpr Vec<Force, S> operator*(const TurnedShift<S>& phi, const Vec<Force, S>& f) {
+  return Shift<S>{phi.l} * Vec<Force, S>{phi.R * f.ang, seeded(Fault::frame_force, phi.R * f.lin)};
+}
+template <Field S>
+constexpr Vec<Motion, S> operator*(const Star<TurnedShift<S>>& phi, const Vec<Motion, S>& V) {
+  const auto& [R, l] = phi.map;
+  const Shift<S> shift{l};
+  const Vec<Motion, S> moved = shift.T() * V;
+  return {transposed_times(R, moved.ang), seeded(Fault::frame_motion, transposed_times(R, moved.lin))};
+}
+/// A vector of link k+1 in the axes that link k uses.
+template <Field S>
+constexpr const Vec3<S>& in_outer_axes(const Shift<S>&, const Vec3<S>& v) {
+  return v;
+}
+template <Field S>
+constexpr Vec3<S> in_outer_axes(const TurnedShift<S>& phi, const Vec3<S>& v) {
+  return transposed_times(phi.R, v);
+}
+template <class Phi>
+concept ShiftMap = requires(const Phi& phi) {
+  phi.l;
+  phi.T();
+  in_outer_axes(phi, phi.l);
+};
 
 /// Symmetric map [J B; B^T A] between a space and its dual, 21 numbers.
 /// To = Force: articulated inertia P. To = Motion: compliance Omega.
@@ -132,6 +168,36 @@ constexpr Compliance<S> carried(const Star<Shift<S>>& phi, const Compliance<S>& 
   const Mat3<S> B = Omega.B + cross(full(Omega.J), l);
   return {Omega.J, B,
           Omega.A - seeded(Fault::shift_compliance, upper(cross(l, B) + transpose(cross(l, Omega.B))))};
+}
+
+/// The same map in other axes, which R turns the present ones into.
+template <class To, Field S>
+constexpr Symmetric<To, S> turned(const Mat3<S>& R, const Symmetric<To, S>& a) {
+  return {turned(R, a.J), R * a.B * transpose(R), turned(R, a.A)};
+}
+template <Field S>
+constexpr Inertia<S> carried(const TurnedShift<S>& phi, const Inertia<S>& P) {
+  return carried(Shift<S>{phi.l}, turned(phi.R, P));
+}
+template <Field S>
+constexpr Compliance<S> carried(const Star<TurnedShift<S>>& phi, const Compliance<S>& Omega) {
+  const Shift<S> shift{phi.map.l};
+  return turned(transpose(phi.map.R), carried(shift.T(), Omega));
+}
+
+/// phi* Omega phi, written in this order: phi.T() * Omega waits for phi.
+template <ShiftMap Phi, Field S>
+struct ShiftCompliance {
+  const Phi& phi;
+  const Compliance<S>& Omega;
+};
+template <ShiftMap Phi, Field S>
+constexpr ShiftCompliance<Phi, S> operator*(const Star<Phi>& phi, const Compliance<S>& Omega) {
+  return {phi.map, Omega};
+}
+template <ShiftMap Phi, Field S>
+constexpr Compliance<S> operator*(const ShiftCompliance<Phi, S>& left, const Phi& phi) {
+  return carried(phi.T(), left.Omega);
 }
 
 /// Rigid-body inertia M(k) (20) about O(k): second moment I, first moment m p, mass.

@@ -113,10 +113,6 @@ std::vector<Fault> faults() {
   add("axis without numbers", two_links(ball, "<axis/>" + limit), {"joint 'j2'", "axis (0 0 0)"});
   add("mimic", two_links(ball, "<mimic joint=\"j1\"/>" + limit),
       {"joint 'j2'", "mimics joint 'j1'", "independent"});
-  add("floating", robot(tree + a_joint("j2", "one", "two", "floating", "")),
-      {"joint 'j2'", "floating", "not supported yet"});
-  add("planar", robot(tree + a_joint("j2", "one", "two", "planar")),
-      {"joint 'j2'", "planar", "not supported yet"});
   // no tree
   add("two parents", robot(tree + a_joint("j2", "one", "two") + a_joint("j0", "base", "two", "fixed", "")),
       {"link 'two'", "two parent joints", "'j0' (from link 'base')", "'j2' (from link 'one')", "remove one"});

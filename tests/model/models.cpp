@@ -185,6 +185,9 @@ TEST_CASE("every file of models/ loads; names, masses and zero poses are as its 
   std::sort(files.begin(), files.end());
   std::vector<std::string> known;
   for (const auto& row : rows) known.push_back(row.file);
+  for (const char* on_a_moving_base : {"mobile_arm.urdf", "satellite_arm.urdf"})
+    known.push_back(on_a_moving_base);
+  std::sort(known.begin(), known.end());
   CHECK(files == known);
   for (const auto& row : rows) {
     INFO(row.file);
@@ -203,5 +206,42 @@ TEST_CASE("every file of models/ loads; names, masses and zero poses are as its 
     const Vector3d tip = poses(arm.chain, VectorXd::Zero(row.n)).back().topRightCorner<3, 1>();
     CHECK((tip - row.zero).norm() <= tol_pose);
     if (!row.file.starts_with("puma")) CHECK(arm.warnings.empty());
+  }
+}
+
+TEST_CASE("planar and floating joints of a file become joints with several coordinates") {
+  const auto arm_on = [](const std::string& name, const std::string& base) {
+    ChainChoice choice;
+    choice.base = base;
+    choice.tip = "tool0";
+    return load_urdf(std::string(OSCULATE_SOURCE_DIR) + "/models/" + name, choice).chain;
+  };
+  const Chain<double> mobile = arm_on("mobile_arm.urdf", "ground");
+  CHECK(mobile.n() == 6);
+  CHECK(mobile.positions() == 8);
+  CHECK(mobile.velocities() == 8);
+  const Link<double>& platform = mobile.links.front();
+  CHECK(platform.type == JointType::planar);
+  CHECK(platform.axis == Vector3d::UnitZ());
+  CHECK(platform.axis2 == Vector3d::UnitX());
+  CHECK(!mobile.one_axis_joints());
+
+  const Chain<double> satellite = arm_on("satellite_arm.urdf", "world");
+  CHECK(satellite.n() == 7);
+  CHECK(satellite.positions() == 13);
+  CHECK(satellite.velocities() == 12);
+  CHECK(satellite.links.front().type == JointType::floating);
+}
+
+TEST_CASE("the first direction of a planar joint lies in its plane, whatever the normal") {
+  for (const char* normal : {"1 0 0", "0 1 0", "0.6 0 0.8", "-2 1 3"}) {
+    using namespace urdf_text;
+    const std::string axis = std::string("<axis xyz=\"") + normal + "\"/>";
+    const ArmDescription arm =
+        load(robot(a_link("base", "") + a_link("one") + a_joint("j1", "base", "one", "planar", axis)), "one");
+    const Link<double>& link = arm.chain.links.front();
+    INFO(normal);
+    CHECK(std::abs(link.axis.dot(link.axis2)) <= 4 * eps);
+    CHECK(std::abs(link.axis2.norm() - 1) <= 4 * eps);
   }
 }

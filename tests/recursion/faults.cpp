@@ -8,20 +8,20 @@
 #include <string>
 #include <vector>
 
+#include "model/random_arm.hpp"
 #include "recursion/forward_dynamics.hpp"
 #include "recursion/operational_space.hpp"
 #include "reference/dense.hpp"
 #include "support/catch.hpp"
-#include "support/random_arm.hpp"
 
 #ifndef OSCULATE_FAULTS
 #error "this test seeds faults: link osculate_recursion_faulty"
 #endif
 
 using namespace osculate;
-using osculate::testing::Random;
-using osculate::testing::random_arm;
-using osculate::testing::RandomArm;
+using osculate::Random;
+using osculate::random_arm;
+using osculate::RandomArm;
 using Vector = VectorX<double>;
 using Numbers = std::vector<double>;
 
@@ -104,7 +104,7 @@ Numbers recursions(const Case& c) {
   Numbers out, torques(n), qdd(n);
   OperationalSpace<double> space(arm.chain);
   space.place(arm.positions);
-  space.sweep(qd);
+  space.sweep(qd, {T.data(), n});
   const TaskFactor<double> factor(space.Omega(), all_rows());
   TaskVector<double> right = restricted(space.right_side(), all_rows());
   for (std::size_t i = 0; i < 6; ++i) right[i] += u[static_cast<int>(i)];
@@ -149,18 +149,24 @@ TEST_CASE("every seeded fault changes the recursions and no bit of the dense ref
   std::vector<Numbers> by_definition, by_recursion;
   for (const Case& c : all) by_definition.push_back(definitions(c)), by_recursion.push_back(recursions(c));
 
-  for (int i = 1; i <= static_cast<int>(Fault::plant_joint); ++i) {
-    const std::string fault(fault_names[static_cast<std::size_t>(i)]);
+  int executed = 0;
+  for (std::size_t i = 1; i < fault_names.size(); ++i) {
+    const std::string fault(fault_names[i]);
     int states_that_differ = 0;
+    fault_executions = 0;
     for (std::size_t j = 0; j < all.size(); ++j) {
       INFO(fault << ", seed " << j + 1 << ", " << all[j].arm);
       const Seeded seeded(static_cast<Fault>(i));
       CHECK(same_bits(definitions(all[j]), by_definition[j]));
       states_that_differ += differs(by_recursion[j], recursions(all[j]));
     }
-    INFO(fault << " changes too little, or is not executed");
-    CHECK(states_that_differ >= 15);  // of 20; fewest seen 18
+    // Faults of link frames, joints with more axes, laws and energies are not on these lines: tests/mutation.
+    if (fault_executions == 0) continue;
+    ++executed;
+    INFO(fault << " changes too little");
+    CHECK(states_that_differ >= 12);  // of 20: not every arm has a sliding joint or armature
   }
+  CHECK(executed >= 45);
 }
 
 TEST_CASE("without a fault repeated runs give identical bits on both sides") {

@@ -8,12 +8,12 @@
 #include <sstream>
 #include <string>
 
+#include "model/random_arm.hpp"
 #include "recursion/forward_dynamics.hpp"
 #include "recursion/operational_space.hpp"
 #include "recursion/worst.hpp"
 #include "reference/dense.hpp"
 #include "spatial/plain.hpp"
-#include "support/random_arm.hpp"
 
 namespace osculate::testing {
 
@@ -39,7 +39,7 @@ inline Sides sides_of(OperationalSpace<double>& space, const RandomArm& arm) {
   out.both = plain(space.right_side());
   out.g = plain(space.right_side_of_g());
   out.D.resize(space.n());
-  for (int k = 1; k <= space.n(); ++k) out.D[k - 1] = space.articulated_joint_inertia(k);
+  for (int k = 1; k <= space.n(); ++k) out.D[k - 1] = space.articulated_joint_inertia(k).d;
   out.c = plain(space.right_side_of_c(span_of(arm.qd)));
   return out;
 }
@@ -154,7 +154,7 @@ void for_arms(Check check) {
       for (unsigned seed = 1; seed <= 8; ++seed) {
         std::ostringstream which;
         const RandomArm arm = random_arm(seed, n, regime);
-        which << "random_arm(" << seed << ", " << n << "), " << name(regime) << ", " << arm;
+        which << "random_arm(" << seed << ", " << n << "), " << regime_name(regime) << ", " << arm;
         INFO(which.str());
         check(Case{arm, n, Random(seed), which.str()});
       }

@@ -89,7 +89,7 @@ TEST_CASE("an arm of 60 joints agrees with the dense reference, one of 1000 obey
     OperationalSpace<double> space(arm.chain);
     space.place(arm.positions);
     space.sweep(span_of(arm.qd));
-    for (int k = 1; k <= 1000; ++k) CHECK(space.articulated_joint_inertia(k) > 0);
+    for (int k = 1; k <= 1000; ++k) CHECK(space.articulated_joint_inertia(k).d > 0);
     Random random(seed);
     const Vector u = uniform(random, 6, 5);
     TaskVector<double> right = restricted(space.right_side(), all_rows());

@@ -2,12 +2,12 @@
 // doubles.
 #include <limits>
 
+#include "model/random_arm.hpp"
 #include "recursion/arm.hpp"
 #include "support/catch.hpp"
-#include "support/random_arm.hpp"
 
 using namespace osculate;
-using osculate::testing::Random;
+using osculate::Random;
 using Q = Rational;
 
 namespace {
@@ -21,8 +21,9 @@ using D = double;
 static_assert(Multipliable<Shift<D>, Vec<Force, D>> && !Multipliable<Shift<D>, Vec<Motion, D>>);
 static_assert(Multipliable<Star<Shift<D>>, Vec<Motion, D>> && !Multipliable<Star<Shift<D>>, Vec<Force, D>>);
 static_assert(Multipliable<Hinge<D>, Vec<Force, D>> && !Multipliable<Hinge<D>, Vec<Motion, D>>);
-static_assert(Multipliable<Psi<D>, Vec<Force, D>> && !Multipliable<Psi<D>, Vec<Motion, D>>);
-static_assert(Multipliable<Star<Psi<D>>, Vec<Motion, D>> && !Multipliable<Star<Psi<D>>, Vec<Force, D>>);
+static_assert(Multipliable<Psi<Hinge<D>>, Vec<Force, D>> && !Multipliable<Psi<Hinge<D>>, Vec<Motion, D>>);
+static_assert(Multipliable<Star<Psi<Hinge<D>>>, Vec<Motion, D>> &&
+              !Multipliable<Star<Psi<Hinge<D>>>, Vec<Force, D>>);
 static_assert(Multipliable<Inertia<D>, Vec<Motion, D>> && !Multipliable<Inertia<D>, Vec<Force, D>>);
 static_assert(Multipliable<Compliance<D>, Vec<Force, D>> && !Multipliable<Compliance<D>, Vec<Motion, D>>);
 
@@ -154,11 +155,11 @@ Symmetric<To, S> definite(Random& random) {
 
 /// The joint of a one-link arm with a random axis, and H* as six numbers.
 template <Field S>
-struct Joint {
+struct PlainJoint {
   Hinge<S> H;
   Plain<S> column;
 
-  Joint(Random& random, JointType type) : column(plain(Vec<Motion, S>{})) {
+  PlainJoint(Random& random, JointType type) : column(plain(Vec<Motion, S>{})) {
     Chain<S> chain;
     Link<S> link;
     link.type = type;
@@ -189,7 +190,7 @@ void for_joints(Check check) {
   for_seeds([&](Random& random) {
     for (const JointType type : {JointType::revolute, JointType::prismatic}) {
       INFO((type == JointType::revolute ? "revolute" : "prismatic"));
-      check(random, Joint<S>(random, type));
+      check(random, PlainJoint<S>(random, type));
     }
   });
 }
@@ -277,14 +278,14 @@ TEMPLATE_TEST_CASE("a rigid body is its 6 x 6 inertia", "", double, Q) {
 
 TEMPLATE_TEST_CASE("a hinge is a row of six numbers", "", double, Q) {
   using S = TestType;
-  for_joints<S>([](Random& random, const Joint<S>& joint) {
+  for_joints<S>([](Random& random, const PlainJoint<S>& joint) {
     const auto& [H, h] = joint;
     const auto P = definite<Force, S>(random);
     const auto f = vec<Force, S>(random);
     const S rate = number<S>(random), torque = number<S>(random);
     same(plain(H.T() * rate), h * plain(rate));
     same(plain(H * f), h.T() * plain(f));
-    const auto D = H * P * H.T() + JointInertia<S>{S(3)};
+    const auto D = H * P * H.T() + HingeInertia<S>{S(3)};
     same(plain(D.d), h.T() * plain(P) * h + plain(S(3)));
     // Below, D is that of the map: its rounding was checked just now.
     const auto d = plain(S(1) / D.d);
@@ -296,13 +297,13 @@ TEMPLATE_TEST_CASE("a hinge is a row of six numbers", "", double, Q) {
 
 TEMPLATE_TEST_CASE("gains are columns of six numbers", "", double, Q) {
   using S = TestType;
-  for_joints<S>([](Random& random, const Joint<S>& joint) {
+  for_joints<S>([](Random& random, const PlainJoint<S>& joint) {
     const auto& [H, h] = joint;
     const auto P = definite<Force, S>(random);
     const Shift<S> phi{vec3<S>(random)};
     const auto V = vec<Motion, S>(random);
     const S torque = number<S>(random);
-    const JointInertia<S> D{S(4)}, J{S(5)};
+    const HingeInertia<S> D{S(4)}, J{S(5)};
     const auto G = P * H.T() * inverse(D);
     const auto K = phi * G;
     const auto g = plain(P) * h * plain(S(1) / S(4)), k = plain(phi) * g;
@@ -317,7 +318,7 @@ TEMPLATE_TEST_CASE("gains are columns of six numbers", "", double, Q) {
 TEMPLATE_TEST_CASE("psi = phi (1 - G H) acts and moves inertias and compliances as a 6 x 6 matrix", "",
                    double, Q) {
   using S = TestType;
-  for_joints<S>([](Random& random, const Joint<S>& joint) {
+  for_joints<S>([](Random& random, const PlainJoint<S>& joint) {
     const auto& [H, h] = joint;
     const auto P = definite<Force, S>(random), other = symmetric<Force, S>(random);
     const auto Omega = symmetric<Motion, S>(random);
@@ -326,7 +327,7 @@ TEMPLATE_TEST_CASE("psi = phi (1 - G H) acts and moves inertias and compliances 
     const auto V = vec<Motion, S>(random);
     const auto D = H * P * H.T();
     // Without armature H G = 1, with it H G = 1 - J/D, and with a D that has nothing to do with P anything.
-    for (const auto& weight : {D, D + JointInertia<S>{S(4)}, JointInertia<S>{S(3)}}) {
+    for (const auto& weight : {D, D + HingeInertia<S>{S(4)}, HingeInertia<S>{S(3)}}) {
       const auto G = P * H.T() * inverse(weight);
       const auto psi = phi * (one - G * H);
       const auto Y = plain(phi) * (identity<S>(6) - plain(G * S(1)) * h.T());
@@ -340,7 +341,7 @@ TEMPLATE_TEST_CASE("psi = phi (1 - G H) acts and moves inertias and compliances 
 }
 
 TEST_CASE("without armature H G = 1, H (1 - G H) = 0 and psi G = 0, exactly") {
-  for_joints<Q>([](Random& random, const Joint<Q>& joint) {
+  for_joints<Q>([](Random& random, const PlainJoint<Q>& joint) {
     const auto& H = joint.H;
     const auto P = definite<Force, Q>(random);
     const Shift<Q> phi{vec3<Q>(random)};
