@@ -1,8 +1,8 @@
 // The oracle: dynamics of an arm from the textbook definitions, cost O(n^3). Homogeneous transforms,
 // geometric Jacobians and Newton-Euler at the centres of mass; nothing is shared with the recursions but the
-// numbers of Chain. Equation numbers: Kreutz-Delgado, Jain & Rodriguez (1992). Base frame throughout;
-// six-vectors angular rows first; joints base to tip; SI units and radians. Field operations only: over exact
-// numbers every result is exact.
+// numbers of Chain. Equation numbers: Kreutz-Delgado, Jain & Rodriguez (1992). Everything is resolved in the
+// inertial frame, which is the base frame while the base rests; six-vectors angular rows first; joints base
+// to tip; SI units and radians. Field operations only: over exact numbers every result is exact.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -31,48 +31,52 @@ struct Transform {
   friend Transform operator*(const Transform& a, const Transform& b) { return {a.R * b.R, a.p + a.R * b.p}; }
 };
 
-/// Where one link is, base frame.
+/// Where one link is, inertial frame.
 template <Field S>
 struct LinkPlace {
   JointType type = JointType::revolute;
-  Matrix3<S> R;       // link axes
-  Vector3<S> axis;    // unit vector of its joint
-  Vector3<S> origin;  // m, link frame's origin, on the joint axis
-  Vector3<S> com;     // m, centre of mass
+  Matrix3<S> R;        // link axes
+  Vector3<S> axis;     // unit vector of its joint
+  Vector3<S> origin;   // m, link frame's origin, on the joint axis
+  Vector3<S> com;      // m, centre of mass
+  Vector3<S> axis2;    // universal: second axis; planar: direction of the first slide
+  Matrix3<S> R_joint;  // joint axes. Like axis2 not set for revolute, prismatic and cylindrical joints
 };
 
-/// Where everything is, base frame. `links` base to tip.
+/// Where everything is, inertial frame. `links` base to tip.
 template <Field S>
 struct Places {
   std::vector<LinkPlace<S>> links;
   Transform<S> tip;
+  Transform<S> base;
+  Vector6<S> base_velocity = Vector6<S>::Zero();  // about the base origin; rad/s, m/s
 };
 
-/// Motion of one point that is fixed in a link: V = J qd, Vd = J qdd + Jdot_qd. Base frame, about the point.
+/// Motion of one point that is fixed in a link: Vd = J qdd + Jdot_qd. About the point.
 template <Field S>
 struct PointMotion {
-  Jacobian<S> J;                            // 6 x (joints inboard of the point)           (7)
-  Vector6<S> V = Vector6<S>::Zero();        // rad/s, m/s
+  Jacobian<S> J;                            // 6 x (velocities of the joints inboard of the point)  (7)
+  Vector6<S> V = Vector6<S>::Zero();        // rad/s, m/s; J qd, and what the base adds
   Vector6<S> Jdot_qd = Vector6<S>::Zero();  // rad/s^2, m/s^2; ordinary acceleration at qdd = 0    (8)
 };
 
-/// Pose and motion of the tip, base frame, about the tip's origin.
+/// Pose and motion of the tip, about the tip's origin. m = chain.velocities().
 template <Field S>
 struct Kinematics {
   Matrix3<S> R;             // tip axes
   Vector3<S> p;             // m, tip origin
-  Jacobian<S> J;            // 6 x n                                                            (7)
-  Vector6<S> tip_velocity;  // J qd: rad/s, m/s                                                 (7)
-  Vector6<S> Jdot_qd;       // rad/s^2, m/s^2                                                   (8)
+  Jacobian<S> J;            // 6 x m                                                            (7)
+  Vector6<S> tip_velocity;  // J qd, and what a moving base adds: rad/s, m/s                    (7)
+  Vector6<S> Jdot_qd;       // rad/s^2, m/s^2; acceleration at qdd = 0, a moving base included  (8)
 };
 
 /// M(q) qdd + C(q, qd) + G(q) = T + J^T F_ext                                                   (6)
-/// Units of row i: N m (revolute) or N (prismatic) per unit of the column's coordinate.
+/// m = chain.velocities() rows; row i in N m (turning) or N (sliding) per unit of the column's coordinate.
 template <Field S>
 struct JointSpace {
-  MatrixX<S> M;  // n x n, armature on the diagonal
-  VectorX<S> C;  // n, centrifugal and Coriolis; no friction
-  VectorX<S> G;  // n, = dU/dq
+  MatrixX<S> M;  // m x m, armature on the diagonal
+  VectorX<S> C;  // m, centrifugal and Coriolis, and what a moving base asks for; no friction
+  VectorX<S> G;  // m, weight: dU/dq, or what stands for it where qd is no derivative of q
 };
 
 /// All that a state defines before a task is chosen.
@@ -85,7 +89,7 @@ struct State {
 /// The chosen task rows (m of the six) and how they yield to force: everything that exists at any rank.
 template <Field S>
 struct Mobility {
-  MatrixX<S> J;         // m x n, the chosen rows
+  MatrixX<S> J;         // m x chain.velocities(), the chosen rows
   VectorX<S> Jdot_qd;   // m, the chosen rows
   MatrixX<S> Omega;     // m x m, J M^-1 J^T                                                   (11)
   VectorX<S> J_Minv_C;  // m, J M^-1 C
@@ -121,65 +125,168 @@ Matrix3<S> cross_matrix(const Vector3<S>& a) {
 /// Pose of a link in its inboard link's frame. The position may be a dual number over the link's scalar.
 template <Field N, Field S>
 Transform<N> joint_transform(const Link<S>& link, const JointPosition<N>& q) {
+  const Transform<N> origin{link.R_origin.template cast<N>(), link.p_origin.template cast<N>()};
+  if (!one_axis(link.type)) return origin * Transform<N>{q.R, q.p};
   const Matrix3<S> K = cross_matrix(link.axis);
   const Matrix3<S> KK = K * K;
-  const Transform<N> origin{link.R_origin.template cast<N>(), link.p_origin.template cast<N>()};
   const Matrix3<N> turn =
       Matrix3<N>::Identity() + q.s * K.template cast<N>() + (N(1) - q.c) * KK.template cast<N>();
   const Vector3<N> slide = q.d * link.axis.template cast<N>();
   return origin * Transform<N>{turn, slide};
 }
 
-/// Every joint, centre of mass and the tip, from base to tip. positions.size() == chain.n().
+/// Every joint, centre of mass and the tip, from base to tip. positions.size() == chain.n(); `base` is the
+/// base frame's pose, and its velocity about its origin, in the inertial frame.
 template <Field N, Field S>
-Places<N> places(const Chain<S>& chain, const Positions<N>& positions) {
+Places<N> places(const Chain<S>& chain, const Positions<N>& positions, const Transform<N>& base = {},
+                 const Vector6<N>& base_velocity = Vector6<N>::Zero()) {
   Places<N> out;
   out.links.reserve(chain.links.size());
-  Transform<N> T;
+  out.base = base;
+  out.base_velocity = base_velocity;
+  Transform<N> T = base;
   for (std::size_t i = 0; i < chain.links.size(); ++i) {
     const Link<S>& link = chain.links[i];
+    const Matrix3<N> R_inboard = T.R;
     T = T * joint_transform(link, positions[i]);
-    out.links.push_back(
-        {link.type, T.R, T.R * link.axis.template cast<N>(), T.p, T.p + T.R * link.com.template cast<N>()});
+    LinkPlace<N>& place = out.links.emplace_back();
+    place.type = link.type;
+    place.R = T.R;
+    place.origin = T.p;
+    place.com = T.p + T.R * link.com.template cast<N>();
+    if (one_axis(link.type) || link.type == JointType::cylindrical) {
+      place.axis = T.R * link.axis.template cast<N>();  // the same in link and joint axes
+      continue;
+    }
+    place.R_joint = R_inboard * link.R_origin.template cast<N>();
+    place.axis = place.R_joint * link.axis.template cast<N>();
+    const Matrix3<N>& carrier = link.type == JointType::universal ? place.R : place.R_joint;
+    place.axis2 = carrier * link.axis2.template cast<N>();
   }
   out.tip = T * Transform<N>{chain.R_tip.template cast<N>(), chain.p_tip.template cast<N>()};
   return out;
 }
 
-/// Positions with their rates as derivatives: c' = -s qd, s' = c qd, d' = qd. All sizes chain.n().
+/// Value and derivative put together, entry by entry.
+template <Field S, int Rows, int Columns>
+Eigen::Matrix<Dual<S>, Rows, Columns> with_rate(const Eigen::Matrix<S, Rows, Columns>& value,
+                                                const Eigen::Matrix<S, Rows, Columns>& rate) {
+  return value.binaryExpr(rate, [](const S& v, const S& d) { return Dual<S>(v, d); });
+}
+
+/// Position of one joint with its rate as derivative: c' = -s qd, s' = c qd, d' = qd; R' = w~ R and p' = v
+/// with w and v from qd, the joint's velocity_count numbers (see JointType).
+template <Field S>
+JointPosition<Dual<S>> moving(const Link<S>& link, const JointPosition<S>& q, const S* qd) {
+  JointPosition<Dual<S>> out;
+  if (link.type == JointType::revolute) {
+    out.c = {q.c, -q.s * qd[0]};
+    out.s = {q.s, q.c * qd[0]};
+    return out;
+  }
+  if (link.type == JointType::prismatic) {
+    out.d = {q.d, qd[0]};
+    return out;
+  }
+  Vector3<S> w = Vector3<S>::Zero(), v = Vector3<S>::Zero();  // of the link in joint axes
+  if (link.type == JointType::cylindrical) {
+    w = link.axis * qd[0];
+    v = link.axis * qd[1];
+  } else if (link.type == JointType::universal) {
+    w = link.axis * qd[0] + q.R * link.axis2 * qd[1];
+  } else if (link.type == JointType::planar) {
+    w = link.axis * qd[2];
+    v = link.axis2 * qd[0] + link.axis.cross(link.axis2) * qd[1];
+  } else {  // spherical, floating
+    w = q.R * Vector3<S>(qd[0], qd[1], qd[2]);
+    if (link.type == JointType::floating) v = {qd[3], qd[4], qd[5]};
+  }
+  out.R = with_rate<S, 3, 3>(q.R, cross_matrix(w) * q.R);
+  out.p = with_rate<S, 3, 1>(q.p, v);
+  return out;
+}
+
+/// Positions of all joints with their rates. positions.size() == chain.n(), qd.size() == chain.velocities().
 template <Field S>
 Positions<Dual<S>> moving(const Chain<S>& chain, const Positions<S>& positions, const VectorX<S>& qd) {
   Positions<Dual<S>> out;
   out.reserve(positions.size());
+  const S* rate = qd.data();
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    const auto& [c, s, d] = positions[i];
-    const S& rate = qd[static_cast<Eigen::Index>(i)];
-    if (chain.links[i].type == JointType::revolute)
-      out.push_back({Dual<S>(c, -s * rate), Dual<S>(s, c * rate), Dual<S>(d)});
-    else
-      out.push_back({Dual<S>(c), Dual<S>(s), Dual<S>(d, rate)});
+    out.push_back(moving(chain.links[i], positions[i], rate));
+    rate += velocity_count(chain.links[i].type);
   }
   return out;
 }
 
-/// Motion of `point` (base frame, moving with it) that sits on the `joints`-th moving link, counted from the
-/// base. The places are those of `moving`, so the derivative of V = J qd at constant qd is Jdot qd.
+/// The places of joints moving at qd on a base moving as told, as dual numbers: the base's velocity has its
+/// acceleration as derivative. Sizes as for `moving`.
+template <Field S>
+Places<Dual<S>> moving_places(const Chain<S>& chain, const Positions<S>& positions, const VectorX<S>& qd,
+                              const BaseMotion<S>& base = {}) {
+  const Vector3<S> w = base.velocity.template head<3>(), v = base.velocity.template tail<3>();
+  const Transform<Dual<S>> frame{with_rate<S, 3, 3>(base.R, cross_matrix(w) * base.R),
+                                 with_rate<S, 3, 1>(base.p, v)};
+  return places(chain, moving(chain, positions, qd), frame,
+                Vector6<Dual<S>>(with_rate<S, 6, 1>(base.velocity, base.acceleration)));
+}
+
+/// How a link moves against its inboard link while the j-th velocity coordinate of its joint is 1: angular
+/// and linear, at the link's origin.
+template <Field S>
+Vector6<S> unit_motion(const LinkPlace<S>& link, int j) {
+  Vector6<S> out = Vector6<S>::Zero();
+  auto angular = out.template head<3>();
+  auto linear = out.template tail<3>();
+  switch (link.type) {
+    case JointType::revolute:
+      angular = link.axis;
+      break;
+    case JointType::prismatic:
+      linear = link.axis;
+      break;
+    case JointType::cylindrical:
+      (j == 0 ? angular : linear) = link.axis;
+      break;
+    case JointType::universal:
+      angular = j == 0 ? link.axis : link.axis2;
+      break;
+    case JointType::planar:
+      if (j == 0) linear = link.axis2;
+      if (j == 1) linear = link.axis.cross(link.axis2);
+      if (j == 2) angular = link.axis;
+      break;
+    case JointType::spherical:
+    case JointType::floating:
+      if (j < 3) angular = link.R.col(j);
+      if (j >= 3) linear = link.R_joint.col(j - 3);
+      break;
+  }
+  return out;
+}
+
+/// Motion of `point` (moving with it) that sits on the `joints`-th moving link, counted from the base. The
+/// places are those of `moving_places`, so the derivative of V at constant qd is Jdot qd.
 template <Field S>
 PointMotion<S> point_motion(const Places<Dual<S>>& at, const VectorX<S>& qd, const Vector3<Dual<S>>& point,
                             int joints) {
   using N = Dual<S>;
+  int columns = 0;
+  for (int i = 0; i < joints; ++i) columns += velocity_count(at.links[static_cast<std::size_t>(i)].type);
   PointMotion<S> out;
-  out.J.resize(6, joints);
-  Vector6<N> V = Vector6<N>::Zero();
-  for (int j = 0; j < joints; ++j) {
-    const LinkPlace<N>& link = at.links[static_cast<std::size_t>(j)];
-    Vector6<N> column;
-    if (link.type == JointType::revolute)
-      column << link.axis, link.axis.cross(point - link.origin);
-    else
-      column << Vector3<N>::Zero(), link.axis;
-    out.J.col(j) = values(column);
-    V += column * N(qd[j]);
+  out.J.resize(6, columns);
+  Vector6<N> V = at.base_velocity;
+  V.template tail<3>() += V.template head<3>().cross(point - at.base.p);
+  int at_column = 0;
+  for (int i = 0; i < joints; ++i) {
+    const LinkPlace<N>& link = at.links[static_cast<std::size_t>(i)];
+    for (int j = 0; j < velocity_count(link.type); ++j, ++at_column) {
+      Vector6<N> column = unit_motion(link, j);
+      if (link.type != JointType::prismatic)
+        column.template tail<3>() += column.template head<3>().cross(point - link.origin);
+      out.J.col(at_column) = values(column);
+      V += column * N(qd[at_column]);
+    }
   }
   out.V = values(V);
   out.Jdot_qd = derivatives(V);
@@ -194,12 +301,13 @@ Kinematics<S> kinematics(const Chain<S>& chain, const Places<Dual<S>>& at, const
 
 template <Field S>
 JointSpace<S> joint_space(const Chain<S>& chain, const Places<Dual<S>>& at, const VectorX<S>& qd) {
-  const int n = chain.n();
-  JointSpace<S> out{MatrixX<S>::Zero(n, n), VectorX<S>::Zero(n), VectorX<S>::Zero(n)};
-  for (int i = 0; i < n; ++i) {
+  const int m = chain.velocities();
+  JointSpace<S> out{MatrixX<S>::Zero(m, m), VectorX<S>::Zero(m), VectorX<S>::Zero(m)};
+  for (int i = 0; i < chain.n(); ++i) {
     const Link<S>& link = chain.links[static_cast<std::size_t>(i)];
     const LinkPlace<Dual<S>>& place = at.links[static_cast<std::size_t>(i)];
     const PointMotion<S> com = point_motion(at, qd, place.com, i + 1);
+    const Eigen::Index c = com.J.cols();
     const Matrix3<S> R = values(place.R);
     const Matrix3<S> I = R * link.inertia * R.transpose();
     const auto Jw = com.J.template topRows<3>();
@@ -209,32 +317,37 @@ JointSpace<S> joint_space(const Chain<S>& chain, const Places<Dual<S>>& at, cons
     const Vector3<S> moment = I * com.Jdot_qd.template head<3>() + w.cross(Iw);
     const Vector3<S> force = link.mass * com.Jdot_qd.template tail<3>();
     const Vector3<S> weight = link.mass * chain.gravity;
-    const Jacobian<S> momentum = (Jacobian<S>(6, i + 1) << I * Jw, link.mass * Jv).finished();
+    const Jacobian<S> momentum = (Jacobian<S>(6, c) << I * Jw, link.mass * Jv).finished();
 
-    out.M.topLeftCorner(i + 1, i + 1) += com.J.transpose() * momentum;
-    out.C.head(i + 1) += Jw.transpose() * moment + Jv.transpose() * force;
-    out.G.head(i + 1) -= Jv.transpose() * weight;
-    out.M(i, i) += link.armature;
+    out.M.topLeftCorner(c, c) += com.J.transpose() * momentum;
+    out.C.head(c) += Jw.transpose() * moment + Jv.transpose() * force;
+    out.G.head(c) -= Jv.transpose() * weight;
+    if (one_axis(link.type)) out.M(c - 1, c - 1) += link.armature;
   }
   return out;
 }
 
-/// Pose and motion of the tip. positions.size() == qd.size() == chain.n().
+/// Pose and motion of the tip. positions.size() == chain.n(), qd.size() == chain.velocities(). On a moving
+/// base Jdot_qd is the tip's acceleration at qdd = 0, the base's own acceleration included.
 template <Field S>
-Kinematics<S> kinematics(const Chain<S>& chain, const Positions<S>& positions, const VectorX<S>& qd) {
-  return kinematics(chain, places(chain, moving(chain, positions, qd)), qd);
+Kinematics<S> kinematics(const Chain<S>& chain, const Positions<S>& positions, const VectorX<S>& qd,
+                         const BaseMotion<S>& base = {}) {
+  return kinematics(chain, moving_places(chain, positions, qd, base), qd);
 }
 
-/// M, C and G of (6). positions.size() == qd.size() == chain.n().
+/// M, C and G of (6). positions.size() == chain.n(), qd.size() == chain.velocities(). On a moving base C
+/// contains the base's velocity and acceleration: (6) holds with the base moving as told.
 template <Field S>
-JointSpace<S> joint_space(const Chain<S>& chain, const Positions<S>& positions, const VectorX<S>& qd) {
-  return joint_space(chain, places(chain, moving(chain, positions, qd)), qd);
+JointSpace<S> joint_space(const Chain<S>& chain, const Positions<S>& positions, const VectorX<S>& qd,
+                          const BaseMotion<S>& base = {}) {
+  return joint_space(chain, moving_places(chain, positions, qd, base), qd);
 }
 
-/// Both, sharing one pass from base to tip. positions.size() == qd.size() == chain.n().
+/// Both, sharing one pass from base to tip. Sizes and base motion as above.
 template <Field S>
-State<S> state(const Chain<S>& chain, const Positions<S>& positions, const VectorX<S>& qd) {
-  const Places<Dual<S>> at = places(chain, moving(chain, positions, qd));
+State<S> state(const Chain<S>& chain, const Positions<S>& positions, const VectorX<S>& qd,
+               const BaseMotion<S>& base = {}) {
+  const Places<Dual<S>> at = moving_places(chain, positions, qd, base);
   return {kinematics(chain, at, qd), joint_space(chain, at, qd)};
 }
 
@@ -274,7 +387,7 @@ TaskForce<S> task_force(const Mobility<S>& task, const TaskTerms<S>& terms, cons
   return {F, task.J.transpose() * F};
 }
 
-/// qdd = M^-1 (T - C - G + J^T F_ext). T: n joint torques with friction already subtracted. F_ext: moment and
+/// qdd = M^-1 (T - C - G + J^T F_ext). T: joint torques with friction already subtracted. F_ext: moment and
 /// force on the arm at the tip's origin, base frame. Returns rad/s^2 or m/s^2. Equation (6).
 template <Field S>
 VectorX<S> forward_dynamics(const JointSpace<S>& joint, const Jacobian<S>& J, const VectorX<S>& T,
@@ -282,14 +395,14 @@ VectorX<S> forward_dynamics(const JointSpace<S>& joint, const Jacobian<S>& J, co
   return solve(factor(joint.M), VectorX<S>(T - joint.C - joint.G + J.transpose() * F_ext));
 }
 
-/// 1/2 qd^T M qd in J, armature included.
+/// 1/2 qd^T M qd in J, armature included; the kinetic energy while the base rests.
 template <Field S>
 S kinetic_energy(const JointSpace<S>& joint, const VectorX<S>& qd) {
   return qd.dot(joint.M * qd) / S(2);
 }
 
-/// U = -sum m gravity . r_com in J, zero where all centres of mass lie at the base origin. positions.size()
-/// == chain.n().
+/// U = -sum m gravity . r_com in J, zero where all centres of mass lie at the base origin. The base rests in
+/// the inertial frame. positions.size() == chain.n().
 template <Field N, Field S>
 N potential_energy(const Chain<S>& chain, const Positions<N>& positions) {
   const Places<N> at = places(chain, positions);

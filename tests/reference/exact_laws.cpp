@@ -1,14 +1,12 @@
 // Laws of mechanics that the dense formulation must obey, on random arms over exact fractions: no tolerances.
 // Kinematics is written here a second time, as products of 4 x 4 matrices, and differentiated by dual
 // numbers.
+#include "model/random_arm.hpp"
 #include "reference/dense.hpp"
 #include "scalar/rational.hpp"
 #include "support/catch.hpp"
-#include "support/random_arm.hpp"
 
 using namespace osculate;
-using osculate::testing::exact_arm;
-using osculate::testing::ExactArm;
 using Q = Rational;
 using D = Dual<Q>;
 using Vector = VectorX<Q>;
@@ -36,7 +34,10 @@ std::vector<Matrix4<N>> poses(const Chain<Q>& chain, const std::vector<JointPosi
   for (std::size_t i = 0; i < numbers.links.size(); ++i) {
     const Link<N>& link = numbers.links[i];
     A = A * homogeneous<N>(link.R_origin, link.p_origin);
-    A = A * homogeneous<N>(rotation<N>(link.axis, q[i].c, q[i].s), link.axis * q[i].d);
+    if (one_axis(link.type))
+      A = A * homogeneous<N>(rotation<N>(link.axis, q[i].c, q[i].s), link.axis * q[i].d);
+    else
+      A = A * homogeneous<N>(q[i].R, q[i].p);
     out.push_back(A);
   }
   out.push_back(A * homogeneous<N>(numbers.R_tip, numbers.p_tip));
@@ -49,6 +50,7 @@ Vector3<Q> vee(const Matrix3<Q>& A) { return {A(2, 1), A(0, 2), A(1, 0)}; }
 Q kinetic_energy_of_bodies(const ExactArm& arm, const Vector& qd) {
   const auto A = poses<D>(arm.chain, dense::moving(arm.chain, arm.positions, qd));
   Q twice(0);
+  int first = 0;  // of the joint's rates
   for (std::size_t i = 0; i < arm.chain.links.size(); ++i) {
     const Link<Q>& link = arm.chain.links[i];
     const Matrix3<Q> R = values(A[i].topLeftCorner<3, 3>());
@@ -56,7 +58,8 @@ Q kinetic_energy_of_bodies(const ExactArm& arm, const Vector& qd) {
     const Vector3<Q> pd = derivatives(A[i].topRightCorner<3, 1>());
     const Vector3<Q> v = pd + Rd * link.com;
     const Vector3<Q> w_link = vee(R.transpose() * Rd);
-    const Q rate = qd[static_cast<int>(i)];
+    const Q rate = qd[first];
+    first += velocity_count(link.type);
     twice += link.mass * v.dot(v) + w_link.dot(link.inertia * w_link) + link.armature * rate * rate;
   }
   return twice / Q(2);
@@ -66,30 +69,52 @@ Vector unit(int n, int i) { return Vector::Unit(n, i); }
 
 /// M and its derivative when the joints move at `rates`.
 Eigen::Matrix<D, Eigen::Dynamic, Eigen::Dynamic> moving_M(const ExactArm& arm, const Vector& rates) {
-  const VectorX<D> rest = VectorX<D>::Zero(arm.chain.n());
+  const VectorX<D> rest = VectorX<D>::Zero(arm.chain.velocities());
   return dense::joint_space<D>(cast<D>(arm.chain), dense::moving(arm.chain, arm.positions, rates), rest).M;
 }
 
 struct Case {
   ExactArm arm;
-  int n;
+  int n;  // velocities
   dense::State<Q> x;
 };
+
+Case case_of(const ExactArm& arm) {
+  return {arm, arm.chain.velocities(), dense::state(arm.chain, arm.positions, arm.qd)};
+}
 
 template <class Check>
 void for_arms(int n_from, int n_to, unsigned seeds, Check check) {
   for (int n = n_from; n <= n_to; ++n)
     for (unsigned seed = 1; seed <= seeds; ++seed) {
       INFO("n = " << n << ", seed = " << seed);
-      const ExactArm arm = exact_arm(seed, n);
-      check(Case{arm, n, dense::state(arm.chain, arm.positions, arm.qd)});
+      check(case_of(exact_arm(seed, n)));
     }
+}
+
+/// Arms with joints of several axes; `rates`: only such whose qd is the derivative of q.
+template <class Check>
+void for_chains(bool rates, Check check) {
+  using enum JointType;
+  std::vector<std::vector<JointType>> chains = {
+      {cylindrical, revolute}, {universal, planar}, {planar, prismatic, universal}};
+  if (!rates) {
+    chains.push_back({revolute, spherical, revolute});
+    chains.push_back({prismatic, floating});
+    chains.push_back({floating, universal, spherical});
+  }
+  unsigned seed = 1;
+  for (const auto& types : chains) {
+    const ExactArm arm = exact_arm_of(++seed, types);
+    INFO("exact_arm_of(" << seed << "), " << letters(arm.chain));
+    check(case_of(arm));
+  }
 }
 
 }  // namespace
 
 TEST_CASE("tip pose, J qd and Jdot qd are the pose and its first two derivatives") {
-  for_arms(1, 6, 3, [](const Case& c) {
+  const auto check = [](const Case& c) {
     using DD = Dual<D>;
     const auto moved = dense::moving(c.arm.chain, c.arm.positions, c.arm.qd);
     const VectorX<D> steady = c.arm.qd.cast<D>();
@@ -109,11 +134,13 @@ TEST_CASE("tip pose, J qd and Jdot qd are the pose and its first two derivatives
     CHECK(c.x.tip.tip_velocity == velocity);
     CHECK(Vector(c.x.tip.J * c.arm.qd) == Vector(velocity));
     CHECK(c.x.tip.Jdot_qd == acceleration);
-  });
+  };
+  for_arms(1, 6, 3, check);
+  for_chains(false, check);
 }
 
 TEST_CASE("M is the matrix of the kinetic energy") {
-  for_arms(1, 6, 2, [](const Case& c) {
+  const auto check = [](const Case& c) {
     CHECK(dense::kinetic_energy(c.x.joint, c.arm.qd) == kinetic_energy_of_bodies(c.arm, c.arm.qd));
     for (int i = 0; i < c.n; ++i)
       for (int j = 0; j <= i; ++j) {
@@ -123,11 +150,13 @@ TEST_CASE("M is the matrix of the kinetic energy") {
         CHECK(c.x.joint.M(i, j) == mixed);
         CHECK(c.x.joint.M(j, i) == mixed);
       }
-  });
+  };
+  for_arms(1, 6, 2, check);
+  for_chains(false, check);
 }
 
 TEST_CASE("G is the gradient of the potential energy") {
-  for_arms(1, 6, 3, [](const Case& c) {
+  const auto check = [](const Case& c) {
     const auto A = poses<Q>(c.arm.chain, c.arm.positions);
     Q U(0);
     for (std::size_t i = 0; i < c.arm.chain.links.size(); ++i) {
@@ -140,12 +169,14 @@ TEST_CASE("G is the gradient of the potential energy") {
       const auto moved = dense::moving(c.arm.chain, c.arm.positions, unit(c.n, k));
       CHECK(dense::potential_energy(c.arm.chain, moved).derivative == c.x.joint.G[k]);
     }
-  });
+  };
+  for_arms(1, 6, 3, check);
+  for_chains(false, check);
 }
 
 TEST_CASE("C of Newton-Euler is C of Lagrange") {
   // C_i = sum_jk (dM_ij/dq_k - 1/2 dM_jk/dq_i) qd_j qd_k
-  for_arms(1, 6, 3, [](const Case& c) {
+  const auto check = [](const Case& c) {
     std::vector<Matrix> dM;
     for (int k = 0; k < c.n; ++k) {
       const auto moved = moving_M(c.arm, unit(c.n, k));
@@ -159,11 +190,13 @@ TEST_CASE("C of Newton-Euler is C of Lagrange") {
       C[k] -= c.arm.qd.dot(dM[K] * c.arm.qd) / Q(2);
     }
     CHECK(c.x.joint.C == C);
-  });
+  };
+  for_arms(1, 6, 3, check);
+  for_chains(true, check);
 }
 
 TEST_CASE("an arm without torque and gravity keeps its kinetic energy") {
-  for_arms(1, 6, 3, [](const Case& c) {
+  const auto check = [](const Case& c) {
     dense::JointSpace<Q> joint = c.x.joint;
     joint.G.setZero();
     const Vector qdd = dense::forward_dynamics(joint, c.x.tip.J, Vector(Vector::Zero(c.n)));
@@ -173,12 +206,14 @@ TEST_CASE("an arm without torque and gravity keeps its kinetic energy") {
     CHECK(by_acceleration + by_position == Q(0));
     // The same as: Mdot - 2 C is skew, so C does the work that the change of M asks for.
     CHECK(c.arm.qd.dot(joint.C) == by_position);
-  });
+  };
+  for_arms(1, 6, 3, check);
+  for_chains(false, check);
 }
 
 TEST_CASE("forward dynamics leaves no residual in the equation of motion") {
-  for_arms(1, 6, 3, [](const Case& c) {
-    osculate::testing::Random random(7);
+  const auto check = [](const Case& c) {
+    osculate::Random random(7);
     Vector T(c.n);
     for (Q& t : T) t = random.fraction(9, 4);
     dense::Vector6<Q> F_ext;
@@ -191,7 +226,9 @@ TEST_CASE("forward dynamics leaves no residual in the equation of motion") {
     const Q gained = c.arm.qd.dot(c.x.joint.M * qdd) + c.arm.qd.dot(Mdot * c.arm.qd) / Q(2) +
                      dense::potential_energy(c.arm.chain, moved).derivative;
     CHECK(gained == c.arm.qd.dot(T) + c.x.tip.tip_velocity.dot(F_ext));
-  });
+  };
+  for_arms(1, 6, 3, check);
+  for_chains(false, check);
 }
 
 TEST_CASE("six links: Lambda, c and g satisfy their definitions, and the law (2) for any tip force") {
@@ -207,7 +244,7 @@ TEST_CASE("six links: Lambda, c and g satisfy their definitions, and the law (2)
     CHECK(Vector(J.transpose() * (terms.c + terms.Lambda * c.x.tip.Jdot_qd)) == c.x.joint.C);
     CHECK(Vector(J.transpose() * terms.g) == c.x.joint.G);
 
-    osculate::testing::Random random(11);
+    osculate::Random random(11);
     Vector F(6), u(6);
     for (Q& f : F) f = random.fraction(9, 4);
     for (Q& a : u) a = random.fraction(9, 4);

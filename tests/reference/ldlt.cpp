@@ -5,12 +5,12 @@
 #include <limits>
 #include <stdexcept>
 
+#include "model/random_arm.hpp"
 #include "scalar/rational.hpp"
 #include "support/catch.hpp"
-#include "support/random_arm.hpp"
 
 using namespace osculate;
-using osculate::testing::Random;
+using osculate::Random;
 
 namespace {
 

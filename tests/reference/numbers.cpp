@@ -4,13 +4,14 @@
 #include <limits>
 #include <stdexcept>
 
+#include "model/random_arm.hpp"
 #include "scalar/dual.hpp"
 #include "scalar/rational.hpp"
+#include "scalar/rational_product.hpp"
 #include "support/catch.hpp"
-#include "support/random_arm.hpp"
 
 using namespace osculate;
-using osculate::testing::Random;
+using osculate::Random;
 
 static_assert(Field<Rational> && Ordered<Rational>);
 static_assert(Field<Dual<double>> && !Ordered<Dual<double>>);
@@ -112,6 +113,21 @@ TEST_CASE("a double becomes exactly the fraction it is, and comes back") {
   }
 }
 
+TEST_CASE("products over common denominators are products") {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Random random(seed);
+    MatrixX<Rational> A(random.integer(1, 5), random.integer(1, 5)), B(A.cols(), random.integer(1, 5));
+    for (auto* M : {&A, &B})
+      for (auto& x : M->reshaped())
+        x = random.integer(0, 2) == 0 ? Rational(0) : random.fraction(9, random.integer(1, 12));
+    MatrixX<Rational> C = MatrixX<Rational>::Zero(A.rows(), B.cols());
+    for (Eigen::Index i = 0; i < A.rows(); ++i)
+      for (Eigen::Index j = 0; j < B.cols(); ++j)
+        for (Eigen::Index k = 0; k < A.cols(); ++k) C(i, j) += A(i, k) * B(k, j);
+    CHECK(product(A, B) == C);
+  }
+}
+
 TEST_CASE("exact rotations are rotations") {
   for (unsigned seed = 1; seed <= 50; ++seed) {
     Random random(seed);
@@ -124,8 +140,8 @@ TEST_CASE("exact rotations are rotations") {
 TEST_CASE("random arms are physical, and the same every time") {
   for (unsigned seed = 1; seed <= 50; ++seed)
     for (const int n : {1, 6, 12}) {
-      const auto arm = osculate::testing::random_arm(seed, n);
-      const auto again = osculate::testing::random_arm(seed, n);
+      const auto arm = osculate::random_arm(seed, n);
+      const auto again = osculate::random_arm(seed, n);
       CHECK(arm.q == again.q);
       CHECK(arm.chain.links.back().inertia == again.chain.links.back().inertia);
       REQUIRE(arm.chain.n() == n);
@@ -139,8 +155,8 @@ TEST_CASE("random arms are physical, and the same every time") {
         CHECK(link.mass >= 0.5);
       }
     }
-  CHECK(osculate::testing::random_arm(1, 6).q != osculate::testing::random_arm(2, 6).q);
-  CHECK(osculate::testing::random_arm(1, 6, osculate::testing::Regime::zero_velocity).qd.isZero(0));
+  CHECK(osculate::random_arm(1, 6).q != osculate::random_arm(2, 6).q);
+  CHECK(osculate::random_arm(1, 6, osculate::Regime::zero_velocity).qd.isZero(0));
   // Pins the generator itself: first outputs of splitmix64 for seed 0, published with the algorithm.
   Random zero(0);
   CHECK(zero.next() == 0xe220a8397b1dcdafu);

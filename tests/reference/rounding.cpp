@@ -8,14 +8,14 @@
 #include <sstream>
 #include <string>
 
+#include "model/random_arm.hpp"
 #include "reference/dense.hpp"
 #include "scalar/rational.hpp"
 #include "support/catch.hpp"
-#include "support/random_arm.hpp"
 
 using namespace osculate;
-using osculate::testing::random_arm;
-using osculate::testing::Regime;
+using osculate::random_arm;
+using osculate::Regime;
 using Vector = VectorX<double>;
 using Matrix = MatrixX<double>;
 
@@ -53,7 +53,7 @@ struct Worst {
 
 std::string label(unsigned seed, int n, Regime regime = Regime::generic) {
   std::ostringstream out;
-  out << "seed " << seed << ", " << name(regime) << ", " << random_arm(seed, n, regime);
+  out << "seed " << seed << ", " << regime_name(regime) << ", " << random_arm(seed, n, regime);
   return out.str();
 }
 
@@ -73,8 +73,8 @@ TEST_CASE("over doubles M, C, G, J and Jdot qd stay within a few eps of their ex
     for (unsigned seed = 1; seed <= 4; ++seed) {
       const auto arm = random_arm(seed, n);
       dense::Positions<Rational> exact_positions;
-      for (const auto& [c, s, d] : arm.positions)
-        exact_positions.push_back({Rational(c), Rational(s), Rational(d)});
+      for (const auto& at : arm.positions)
+        exact_positions.push_back({Rational(at.c), Rational(at.s), Rational(at.d)});
       const auto x = dense::state(arm.chain, arm.positions, arm.qd);
       const auto e =
           dense::state<Rational>(cast<Rational>(arm.chain), exact_positions, arm.qd.cast<Rational>());
@@ -132,7 +132,7 @@ TEST_CASE("over doubles the law of the task holds to eps times the condition of 
         ++arms;
         const std::string which = label(seed, n, regime);
         const auto terms = dense::task_terms(task);
-        osculate::testing::Random random(seed);
+        osculate::Random random(seed);
         const Vector F = Vector::NullaryExpr(6, [&] { return random.uniform(-20, 20); });
         const Vector u = Vector::NullaryExpr(6, [&] { return random.uniform(-5, 5); });
         const Matrix one = Matrix::Identity(6, 6);
