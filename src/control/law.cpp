@@ -1,6 +1,7 @@
 #include "control/law.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 namespace osculate {
@@ -24,14 +25,50 @@ Matrix3<double> to_matrix(const Mat3<double>& m) {
   return out;
 }
 
-Pose tip_of(const OperationalSpace<double>& space) {
-  const auto& p = space.tip_position();
-  return {to_matrix(space.tip_rotation()), {p.x, p.y, p.z}};
+template <class Sweeps>
+Pose tip_of(const Sweeps& sweeps) {
+  const auto& p = sweeps.tip_position();
+  return {to_matrix(sweeps.tip_rotation()), {p.x, p.y, p.z}};
 }
 
 constexpr const char* row_names[] = {"wx", "wy", "wz", "vx", "vy", "vz"};
 
+[[noreturn]] void singular(double t, const std::string& which) {
+  throw SingularTask("the arm is singular at t = " + std::to_string(t) + " s: " + which);
+}
+
+/// First task row that depends on the rows before it, or -1.
+int lost_row(const TaskFactor<double>& factor, const Compliance<double>& Omega, const TaskRows& rows) {
+  for (int i = 0; i < factor.size(); ++i) {
+    const int row = rows[static_cast<std::size_t>(i)];
+    const double pivot = factor.pivots()[static_cast<std::size_t>(i)];
+    if (!(pivot > pivot_floor * component(Omega, row, row))) return row;
+  }
+  return -1;
+}
+
+/// One of the two alternatives: joints with one axis, or of any kind.
+template <class Variant>
+Variant for_chain(const Chain<double>& chain) {
+  if (chain.one_axis_joints()) return Variant(std::in_place_index<0>, chain);
+  return Variant(std::in_place_index<1>, chain);
+}
+
 }  // namespace
+
+std::optional<CoordinateChart> chart_of(OrientationCoordinates orientation, PositionCoordinates position) {
+  const bool turns = orientation != OrientationCoordinates::rotation_vector;
+  const bool slides = position != PositionCoordinates::cartesian;
+  if (!turns && !slides) return std::nullopt;
+  return CoordinateChart(turns ? std::optional(orientation) : std::nullopt,
+                         slides ? std::optional(position) : std::nullopt);
+}
+
+BaseMotion<double> base_motion(const Path* path, double t) {
+  if (!path) return {};
+  const TipReference at = tip_reference(*path, {}, t);
+  return {at.pose.R, at.pose.p, at.velocity, at.acceleration};
+}
 
 Controller::Controller(const Chain<double>& model, std::vector<JointFriction> friction,
                        const LawOptions& options, std::shared_ptr<const Path> path, const Pose& initial)
@@ -40,64 +77,187 @@ Controller::Controller(const Chain<double>& model, std::vector<JointFriction> fr
       options_(options),
       path_(std::move(path)),
       initial_(initial),
-      space_(model),
+      chart_(chart_of(options.orientation, options.position)),
+      space_(for_chain<Space>(model)),
       joints_(model.links.size()),
-      T0_(model.links.size(), 0.0),
-      rigid_torque_(model.links.size(), 0.0) {}
+      T0_(static_cast<std::size_t>(model.velocities()), 0.0),
+      rigid_torque_(static_cast<std::size_t>(model.velocities()), 0.0) {
+  for (int i = 0; i < 6; ++i) component(known_tip_force_, i) = options_.known_tip_force[i];
+  if (options_.law == Law::resolved_acceleration)
+    resolved_ = for_chain<Resolved>(model);
+  else if (options_.law == Law::operational_space && options_.sampling)
+    sampled_ = for_chain<SampledSpace>(model);
+}
 
-TaskFactor<double> Controller::factor() const { return {space_.Omega(), options_.rows}; }
+void Controller::begin(double t, std::span<const double> q, std::span<const double> qd) {
+  set_positions(model_, q, joints_);
+  if (options_.base_path) base_ = base_motion(options_.base_path.get(), t);
+  if (options_.law == Law::resolved_acceleration) return;  // a square task has no null space
+  for (std::size_t i = 0; i < T0_.size(); ++i) T0_[i] = -options_.null_space_damping * qd[i];
+}
 
-int Controller::lost_row(const TaskFactor<double>& Omega) const {
-  for (int i = 0; i < Omega.size(); ++i) {
-    const int row = options_.rows[static_cast<std::size_t>(i)];
-    const double pivot = Omega.pivots()[static_cast<std::size_t>(i)];
-    if (!(pivot > pivot_floor * component(space_.Omega(), row, row))) return row;
+template <class Sweeps>
+void Controller::see_tip(const Sweeps& sweeps, double t) {
+  command_.tip = tip_of(sweeps);
+  command_.tip_velocity = to_vector6(sweeps.tip_velocity());
+  command_.reference = tip_reference(*path_, initial_, t);
+  command_.error = pose_error(command_.reference, command_.tip, command_.tip_velocity);
+}
+
+void Controller::decide() {
+  if (options_.constant_command) {
+    command_.u = *options_.constant_command;
+    return;
   }
-  return -1;
+  const auto& [e, ed] = command_.error;
+  const Vector6 edd = seeded(Fault::law_damping, Vector6(-options_.damping.cwiseProduct(ed))) -
+                      options_.stiffness.cwiseProduct(e);
+  TipReference reference = command_.reference;
+  reference.acceleration = seeded(Fault::reference_acceleration, reference.acceleration);
+  command_.u = pose_command(reference, command_.tip, command_.tip_velocity, command_.error, edd);
+  if (!chart_) return;
+
+  // u = Pi v + Pi. yd (1), on the part that the chart covers
+  const Coordinates y = chart_->coordinates(command_.tip);
+  const Coordinates yd = chart_->rates(y, command_.tip_velocity);
+  Coordinates K(chart_->size()), D(chart_->size());
+  const int turning = chart_->orientation_size();
+  for (int i = 0; i < chart_->size(); ++i) {
+    // A quaternion's four coordinates share the first gain.
+    const int row = i >= turning ? 3 + i - turning : turning == 4 ? 0 : i;
+    K[i] = options_.stiffness[row];
+    D[i] = options_.damping[row];
+  }
+  const Coordinates v = tracking_acceleration(chart_->motion(reference, y), y, yd, K, D);
+  const Vector6 u = seeded(Fault::coordinate_map, chart_->velocity(y, v)) +
+                    seeded(Fault::coordinate_rate, chart_->bias(y, yd));
+  if (chart_->orientation()) command_.u.head<3>() = u.head<3>();
+  if (chart_->position()) command_.u.tail<3>() = u.tail<3>();
+  command_.y = y;
+  command_.v = chart_->attainable(y, yd, v);
+}
+
+template <class Sweeps>
+Vec<Force, double> Controller::tip_force(const Sweeps& sweeps, double t) const {
+  const auto& Omega = sweeps.Omega();
+  const TaskFactor<double> factor(Omega, options_.rows);
+  if (const int row = lost_row(factor, Omega, options_.rows); row >= 0)
+    singular(t, std::string("task row ") + row_names[row] + " depends on the rows before it");
+  TaskVector<double> right = restricted(sweeps.right_side(), options_.rows);
+  for (std::size_t i = 0; i < options_.rows.size(); ++i)
+    right[i] += seeded(Fault::law_command, command_.u[options_.rows[i]]);
+  TaskRows rows = options_.rows;
+  if (faulty(Fault::law_rows) && rows.size() > 1) std::swap(rows[rows.size() - 2], rows.back());
+  return wrench(factor.solve(right), rows);  // (4): one solve on u + right side
+}
+
+void Controller::operational_space(double t, std::span<const double> qd) {
+  if (!options_.sampling) {
+    std::visit(
+        [&](auto& space) {
+          const long before = space.sweeps();
+          space.place(joints_);
+          space.sweep(qd, T0_, known_tip_force_);  // sweeps 1, 2, 3
+          see_tip(space, t);
+          decide();
+          const Vec<Force, double> F_c = tip_force(space, t);
+          space.torques(F_c, rigid_torque_);  // sweep 4
+          command_.F = to_vector6(F_c);
+          sweeps_ = space.sweeps() - before;
+        },
+        space_);
+    return;
+  }
+  const Sampling& sampling = *options_.sampling;
+  std::visit(
+      [&](auto& space) {
+        const long before = space.sweeps();
+        if (options_.base_path) space.move_base(base_);
+        space.place(joints_);
+        space.begin_sample(sampling.delay, sampling.extrapolate, qd, T0_, known_tip_force_);
+        see_tip(space, t);
+        decide();
+        const Vec<Force, double> F_c = tip_force(space, t);
+        space.finish_sample(sampling.extrapolate, F_c, rigid_torque_);
+        command_.F = to_vector6(F_c);
+        sweeps_ = space.sweeps() - before;
+      },
+      *sampled_);
+}
+
+void Controller::resolved_acceleration(double t, std::span<const double> qd) {
+  std::visit(
+      [&](auto& resolved) {
+        const long before = resolved.sweeps();
+        if (options_.base_path) resolved.move_base(base_);
+        resolved.place(joints_);
+        resolved.sweep(qd);
+        see_tip(resolved, t);
+        decide();
+        TaskVector<double> u{};
+        for (std::size_t i = 0; i < options_.rows.size(); ++i)
+          u[i] = seeded(Fault::law_command, command_.u[options_.rows[i]]);
+        if (!resolved.torques(u, options_.rows, known_tip_force_, pivot_floor, rigid_torque_))
+          singular(t, "the Jacobian of the task rows has no inverse");
+        sweeps_ = resolved.sweeps() - before;
+      },
+      *resolved_);
+  command_.F.setConstant(std::numeric_limits<double>::quiet_NaN());  // no F_c is formed
+}
+
+void Controller::sweep_exactly(std::span<const double> qd) {
+  std::visit(
+      [&](auto& space) {
+        if (options_.base_path) space.move_base(base_);
+        space.place(joints_);
+        space.sweep(qd);
+      },
+      space_);
 }
 
 const Command& Controller::torque(double t, std::span<const double> q, std::span<const double> qd,
                                   std::span<double> T) {
-  set_positions(model_, q, joints_);
-  space_.place(joints_);
-  for (std::size_t i = 0; i < T0_.size(); ++i) T0_[i] = -options_.null_space_damping * qd[i];
-  space_.sweep(qd, T0_);  // sweeps 1, 2, 3
-  command_.tip = tip_of(space_);
-  command_.tip_velocity = to_vector6(space_.tip_velocity());
-  command_.reference = tip_reference(*path_, initial_, t);
-  command_.error = pose_error(command_.reference, command_.tip, command_.tip_velocity);
-  if (options_.law == Law::free) {
-    command_.u.setZero();
-    command_.F.setZero();
-    std::fill(T.begin(), T.end(), 0.0);
-    std::fill(rigid_torque_.begin(), rigid_torque_.end(), 0.0);
-    return command_;
+  begin(t, q, qd);
+  if (options_.base_path && !options_.sampling)
+    std::visit([&](auto& space) { space.move_base(base_); }, space_);
+  switch (options_.law) {
+    case Law::operational_space:
+      operational_space(t, qd);
+      break;
+    case Law::resolved_acceleration:
+      resolved_acceleration(t, qd);
+      break;
+    case Law::free:
+      sweep_exactly(qd);
+      std::visit([&](auto& space) { see_tip(space, t); }, space_);
+      std::fill(T.begin(), T.end(), 0.0);
+      return command_;
   }
-  const auto& [e, ed] = command_.error;
-  const Vector6 edd = -options_.damping.cwiseProduct(ed) - options_.stiffness.cwiseProduct(e);
-  command_.u = options_.constant_command ? *options_.constant_command
-                                         : pose_command(command_.reference, command_.tip,
-                                                        command_.tip_velocity, command_.error, edd);
-
-  const TaskFactor<double> Omega = factor();
-  if (const int row = lost_row(Omega); row >= 0)
-    throw SingularTask("the arm is singular at t = " + std::to_string(t) + " s: task row " + row_names[row] +
-                       " depends on the rows before it");
-  TaskVector<double> right = restricted(space_.right_side(), options_.rows);
-  for (std::size_t i = 0; i < options_.rows.size(); ++i)
-    right[i] += seeded(Fault::law_command, command_.u[options_.rows[i]]);
-  const Vec<Force, double> F_c =
-      wrench(Omega.solve(right), options_.rows);  // (4): one solve on u + right side
-  space_.torques(F_c, rigid_torque_);             // sweep 4
-  command_.F = to_vector6(F_c);
+  if (options_.sampling && options_.law == Law::resolved_acceleration) {
+    monitored_ = samples_ % options_.sampling->monitor_every == 0;
+    if (monitored_) {
+      sweep_exactly(qd);
+      seen_by_monitor_ = std::visit([&](auto& space) { return terms_of(space, qd); }, space_);
+    }
+  }
+  ++samples_;
   for (std::size_t i = 0; i < T.size(); ++i) {
     T[i] = rigid_torque_[i];
-    if (options_.compensate_friction && !friction_.empty()) T[i] += friction_torque(friction_[i], qd[i]);
+    if (options_.compensate_friction && !friction_.empty())
+      T[i] += seeded(Fault::friction_compensation, friction_torque(friction_[i], qd[i]));
   }
   return command_;
 }
 
-RecursiveTerms Controller::terms(std::span<const double> qd) {
+const Command& Controller::look(double t, std::span<const double> q, std::span<const double> qd) {
+  begin(t, q, qd);
+  sweep_exactly(qd);
+  std::visit([&](auto& space) { see_tip(space, t); }, space_);
+  return command_;
+}
+
+template <class Sweeps>
+RecursiveTerms Controller::terms_of(Sweeps& space, std::span<const double> qd) const {
   const auto m = static_cast<Eigen::Index>(options_.rows.size());
   const auto as_vector = [m](const TaskVector<double>& v) {
     return VectorX<double>(Eigen::Map<const VectorX<double>>(v.data(), m));
@@ -105,26 +265,43 @@ RecursiveTerms Controller::terms(std::span<const double> qd) {
   RecursiveTerms out;
   out.Omega.resize(6, 6);
   for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) out.Omega(i, j) = component(space_.Omega(), i, j);
-  const TaskFactor<double> Omega = factor();
-  if (lost_row(Omega) >= 0) return out;
+    for (int j = 0; j < 6; ++j) out.Omega(i, j) = component(space.Omega(), i, j);
+  const TaskFactor<double> Omega(space.Omega(), options_.rows);
+  if (lost_row(Omega, space.Omega(), options_.rows) >= 0) return out;
   out.Lambda.resize(m, m);
   for (Eigen::Index j = 0; j < m; ++j) {
     TaskVector<double> unit{};
     unit[static_cast<std::size_t>(j)] = 1;
     out.Lambda.col(j) = as_vector(Omega.solve(unit));
   }
-  space_.sweep(qd);  // without T0: right side of c + g alone
-  out.c_plus_g = as_vector(Omega.solve(restricted(space_.right_side(), options_.rows)));
-  out.g = as_vector(Omega.solve(restricted(space_.right_side_of_g(), options_.rows)));
-  out.c = as_vector(Omega.solve(restricted(space_.right_side_of_c(qd), options_.rows)));
+  space.sweep(qd);  // without T0: right side of c + g alone
+  out.c_plus_g = as_vector(Omega.solve(restricted(space.right_side(), options_.rows)));
+  out.g = as_vector(Omega.solve(restricted(space.right_side_of_g(), options_.rows)));
+  out.c = as_vector(Omega.solve(restricted(space.right_side_of_c(qd), options_.rows)));
   return out;
 }
 
-Pose tip_pose(const Chain<double>& chain, std::span<const double> q) {
-  OperationalSpace<double> space(chain);
-  space.place(positions(chain, q));
-  return tip_of(space);
+RecursiveTerms Controller::terms(std::span<const double> qd) {
+  if (options_.law == Law::resolved_acceleration) {
+    if (options_.sampling && options_.sampling->monitor_every > 1) return seen_by_monitor_;
+    sweep_exactly(qd);
+  }
+  return std::visit([&](auto& space) { return terms_of(space, qd); }, space_);
+}
+
+Pose tip_pose(const Chain<double>& chain, std::span<const double> q) { return tip_pose(chain, q, {}); }
+
+Pose tip_pose(const Chain<double>& chain, std::span<const double> q, const BaseMotion<double>& base) {
+  auto space =
+      for_chain<std::variant<BasicOperationalSpace<Hinge<double>>, BasicOperationalSpace<Joint<double>>>>(
+          chain);
+  return std::visit(
+      [&](auto& sweeps) {
+        sweeps.move_base(base);
+        sweeps.place(positions(chain, q));
+        return tip_of(sweeps);
+      },
+      space);
 }
 
 }  // namespace osculate

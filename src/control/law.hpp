@@ -5,21 +5,36 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <variant>
 #include <vector>
 
+#include "control/coordinates.hpp"
 #include "control/pose_error.hpp"
 #include "control/reference.hpp"
 #include "model/friction.hpp"
 #include "recursion/operational_space.hpp"
+#include "recursion/resolved_acceleration.hpp"
 
 namespace osculate {
 
-enum class Law { operational_space /* (4) by the recursions */, free /* no torque: the free swing */ };
+enum class Law {
+  operational_space,      // (4) by the recursions
+  resolved_acceleration,  // (16) by Newton-Euler; as many task rows as joint coordinates
+  free,                   // no torque: the free swing
+};
 
 /// Omega(0) restricted to the task rows is not positive definite to working accuracy: no finite F gives the
 /// command.
 struct SingularTask : std::runtime_error {
   using std::runtime_error::runtime_error;
+};
+
+/// The law is evaluated at t = 0, period, 2 period, ..., and its torque held in between.
+struct Sampling {
+  double period = 0.001;      // s, > 0
+  Delay delay = Delay::none;  // what is taken from the sample before
+  bool extrapolate = false;   // delayed values x(-1) become 2 x(-1) - x(-2)
+  long monitor_every = 1;     // resolved acceleration: Lambda, c, g are computed at every N-th sample
 };
 
 struct LawOptions {
@@ -30,9 +45,14 @@ struct LawOptions {
   double null_space_damping = 0;               // N m s/rad or N s/m, >= 0
   bool compensate_friction = true;
   std::optional<Vector6> constant_command;  // u itself, in place of pose tracking
+  OrientationCoordinates orientation = OrientationCoordinates::rotation_vector;
+  PositionCoordinates position = PositionCoordinates::cartesian;
+  std::optional<Sampling> sampling;            // none: the law acts at every instant
+  Vector6 known_tip_force = Vector6::Zero();   // N m, N: wrench on the tip that the law takes into account
+  std::shared_ptr<const Path> base_path = {};  // how the base moves in the inertial frame; none: at rest
 };
 
-/// What the law decided at one instant. Base frame, about the tip point, angular part first.
+/// What the law decided at one instant. Inertial frame, about the tip point, angular part first.
 struct Command {
   TipReference reference;
   Pose tip;
@@ -41,6 +61,7 @@ struct Command {
   Vector6 u =
       Vector6::Zero();  // commanded tip acceleration; rows that the task does not control are meaningless
   Vector6 F = Vector6::Zero();  // F_c(0); zero on rows that the task does not control
+  Coordinates y, v;  // coordinates of the chart and their commanded second derivative; empty without a chart
 };
 
 /// The operational-space terms of the model as the recursions give them, on the task rows (m <= 6).
@@ -50,6 +71,13 @@ struct RecursiveTerms {
   VectorX<double> c, g, c_plus_g;  // m
 };
 
+/// Pose and motion of a base that moves along `path` (none: at rest) in the inertial frame.
+BaseMotion<double> base_motion(const Path* path, double t);
+
+/// The chart of the parts that are tracked in coordinates of their own; none for rotation vector and
+/// Cartesian position.
+std::optional<CoordinateChart> chart_of(OrientationCoordinates orientation, PositionCoordinates position);
+
 class Controller {
  public:
   /// `model` is what the controller believes of the arm. `initial` is the tip pose that the path is relative
@@ -57,12 +85,17 @@ class Controller {
   Controller(const Chain<double>& model, std::vector<JointFriction> friction, const LawOptions& options,
              std::shared_ptr<const Path> path, const Pose& initial);
 
-  /// Joint torques, base to tip. Throws SingularTask. The result refers to this object and lasts until the
-  /// next call.
+  /// Joint torques, base to tip, of a law that acts at every instant; of a sampled one, the next sample.
+  /// Throws SingularTask, RepresentationSingular. The result refers to this object and lasts until the next
+  /// call.
   const Command& torque(double t, std::span<const double> q, std::span<const double> qd, std::span<double> T);
 
-  /// The terms at the state of the last torque(), each by its own recursion; Omega alone where the arm is
-  /// singular.
+  /// Of a sampled law between its samples: reference, tip and error as they are at t; u, F, v as they were at
+  /// the last sample.
+  const Command& look(double t, std::span<const double> q, std::span<const double> qd);
+
+  /// The terms at the state of the last torque() or look(), each by its own recursion; Omega alone where the
+  /// arm is singular. Under resolved acceleration with a slower monitor, those of the last monitored sample.
   RecursiveTerms terms(std::span<const double> qd);
 
   /// The result of the last torque().
@@ -71,7 +104,13 @@ class Controller {
   std::span<const double> rigid_torque() const { return rigid_torque_; }
   /// T0 of the last torque(), base to tip; all zero without null-space damping.
   std::span<const double> null_space_torque() const { return T0_; }
+  /// Sweeps along the arm that the last torque() took, forward kinematics not counted.
+  long sweeps_of_last_torque() const { return sweeps_; }
+  /// Whether the monitor of a sampled resolved-acceleration law ran at the last sample.
+  bool monitored() const { return monitored_; }
   const LawOptions& options() const { return options_; }
+  /// The chart of coordinates that are tracked in place of rotation vector or Cartesian position.
+  const std::optional<CoordinateChart>& chart() const { return chart_; }
   const Path& path() const { return *path_; }
   const std::shared_ptr<const Path>& shared_path() const { return path_; }
   const std::vector<JointFriction>& friction() const { return friction_; }
@@ -79,22 +118,50 @@ class Controller {
   const Chain<double>& model() const { return model_; }
 
  private:
-  TaskFactor<double> factor() const;
-  /// First task row that depends on the rows before it, or -1.
-  int lost_row(const TaskFactor<double>& Omega) const;
+  using Space = std::variant<BasicOperationalSpace<Hinge<double>>, BasicOperationalSpace<Joint<double>>>;
+  using SampledSpace =
+      std::variant<BasicOperationalSpace<LinkHinge<double>>, BasicOperationalSpace<LinkJoint<double>>>;
+  using Resolved = std::variant<ResolvedAcceleration<Hinge<double>>, ResolvedAcceleration<Joint<double>>>;
+
+  /// Sets joints and base; T0.
+  void begin(double t, std::span<const double> q, std::span<const double> qd);
+  /// Tip, reference and error at t.
+  template <class Sweeps>
+  void see_tip(const Sweeps& sweeps, double t);
+  /// u, and v of a chart, from what see_tip found.
+  void decide();
+  /// F = Omega^-1 (u + right side) on the task rows. Throws SingularTask.
+  template <class Sweeps>
+  Vec<Force, double> tip_force(const Sweeps& sweeps, double t) const;
+  template <class Sweeps>
+  RecursiveTerms terms_of(Sweeps& space, std::span<const double> qd) const;
+  void operational_space(double t, std::span<const double> qd);
+  void resolved_acceleration(double t, std::span<const double> qd);
+  /// Sweeps 1 to 3 of the exact recursions at the present state, for look() and the monitor.
+  void sweep_exactly(std::span<const double> qd);
 
   Chain<double> model_;
   std::vector<JointFriction> friction_;
   LawOptions options_;
   std::shared_ptr<const Path> path_;
   Pose initial_;
-  OperationalSpace<double> space_;
+  std::optional<CoordinateChart> chart_;
+  Vec<Force, double> known_tip_force_;
+  Space space_;                          // the exact recursions: the law itself, or its monitor
+  std::optional<SampledSpace> sampled_;  // the same in link frames, with a memory
+  std::optional<Resolved> resolved_;
   std::vector<JointPosition<double>> joints_;
+  BaseMotion<double> base_;
   std::vector<double> T0_, rigid_torque_;
   Command command_;
+  long sweeps_ = 0, samples_ = 0;
+  bool monitored_ = true;
+  RecursiveTerms seen_by_monitor_;
 };
 
-/// Pose of the tip of a chain at q (base to tip).
+/// Pose of the tip of a chain at q (base to tip) on a base at rest.
 Pose tip_pose(const Chain<double>& chain, std::span<const double> q);
+/// The same in the inertial frame, on a base that stands as given.
+Pose tip_pose(const Chain<double>& chain, std::span<const double> q, const BaseMotion<double>& base);
 
 }  // namespace osculate

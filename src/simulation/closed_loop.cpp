@@ -7,69 +7,93 @@ namespace osculate {
 ClosedLoop::ClosedLoop(Controller controller, Plant plant)
     : controller_(std::move(controller)),
       plant_(std::move(plant)),
-      plant_dynamics_(plant_.chain),
+      plant_dynamics_(plant_.chain.one_axis_joints() ? Dynamics(std::in_place_index<0>, plant_.chain)
+                                                     : Dynamics(std::in_place_index<1>, plant_.chain)),
+      positions_(plant_.chain.positions()),
+      velocities_(plant_.chain.velocities()),
       joints_(plant_.chain.links.size()),
-      net_torque_(plant_.chain.links.size()),
+      net_torque_(static_cast<std::size_t>(velocities_)),
       derivative_(states()) {
   for (int i = 0; i < 6; ++i) component(tip_force_, i) = plant_.tip_force[i];
-  for (auto* v : {&seen_.q, &seen_.qd, &seen_.qdd, &seen_.torque}) v->resize(joints_.size());
+  seen_.q.resize(static_cast<std::size_t>(positions_));
+  for (auto* v : {&seen_.qd, &seen_.qdd, &seen_.torque}) v->resize(net_torque_.size());
 }
 
-void ClosedLoop::right_side(double t, const double* y, double* yd) {
-  const std::size_t n = joints_.size();
-  const std::span<const double> q{y, n}, qd{y + n, n};
-  const std::span<double> torque{seen_.torque};
+void ClosedLoop::control(double t, const double* y) {
   try {
-    controller_.torque(t, q, qd, torque);
+    controller_.torque(t, q(y), qd(y), seen_.torque);
   } catch (const SingularTask& error) {
     throw IntegrationStopped(IntegrationStopped::Reason::singular, error.what());
+  } catch (const RepresentationSingular& error) {
+    throw IntegrationStopped(IntegrationStopped::Reason::singular,
+                             std::string(error.what()) + " (t = " + std::to_string(t) + " s)");
   }
+}
+
+void ClosedLoop::sample(double t, std::span<const double> y) { control(t, y.data()); }
+
+void ClosedLoop::right_side(double t, const double* y, double* yd) {
+  const auto np = static_cast<std::size_t>(positions_), nv = static_cast<std::size_t>(velocities_);
+  if (!sampled()) control(t, y);
+  const std::span<const double> rates = qd(y), torque{seen_.torque};
 
   double power = 0, loss = 0;  // W
-  for (std::size_t i = 0; i < n; ++i) {
-    const double friction = plant_.friction.empty() ? 0.0 : friction_torque(plant_.friction[i], qd[i]);
-    net_torque_[i] = torque[i] - friction;
-    power += torque[i] * qd[i];
-    loss += friction * qd[i];
+  for (std::size_t i = 0; i < nv; ++i) {
+    const double friction = plant_.friction.empty() ? 0.0 : friction_torque(plant_.friction[i], rates[i]);
+    net_torque_[i] = torque[i] - seeded(Fault::plant_friction, friction);
+    power += torque[i] * rates[i];
+    loss += friction * rates[i];
   }
-  set_positions(plant_.chain, q, joints_);
-  plant_dynamics_.place(joints_);
-  plant_dynamics_.accelerations(qd, net_torque_, tip_force_, {yd + n, n});
-  for (std::size_t i = 0; i < n; ++i) yd[i] = qd[i];
-  yd[2 * n] = power;
-  yd[2 * n + 1] = loss;
-  yd[2 * n + 2] = dot(tip_force_, plant_dynamics_.tip_velocity());
+  set_positions(plant_.chain, q(y), joints_);
+  std::visit(
+      [&](auto& dynamics) {
+        if (controller_.options().base_path) dynamics.move_base(base(t));
+        dynamics.place(joints_);
+        dynamics.accelerations(rates, net_torque_, seeded(Fault::plant_wrench, tip_force_), {yd + np, nv});
+        yd[np + nv + 2] = dot(tip_force_, dynamics.tip_velocity());
+      },
+      plant_dynamics_);
+  position_rates(plant_.chain, q(y), rates, {yd, np});
+  yd[np + nv] = seeded(Fault::work, power);
+  yd[np + nv + 1] = loss;
 }
 
 bool ClosedLoop::plant_is_model() const {
-  if (!(plant_.chain == controller_.model()) || !plant_.tip_force.isZero(0)) return false;
-  const std::vector<JointFriction> none(joints_.size());
+  const LawOptions& law = controller_.options();
+  if (!(plant_.chain == controller_.model()) || plant_.tip_force != law.known_tip_force) return false;
+  const std::vector<JointFriction> none(net_torque_.size());
   const auto or_none = [&none](const std::vector<JointFriction>& f) { return f.empty() ? none : f; };
-  return or_none(plant_.friction) ==
-         (controller_.options().compensate_friction ? or_none(controller_.friction()) : none);
+  return or_none(plant_.friction) == (law.compensate_friction ? or_none(controller_.friction()) : none);
 }
 
 Vector6 ClosedLoop::plant_tip_velocity() const {
-  Vector6 V;
-  for (int i = 0; i < 6; ++i) V[i] = component(plant_dynamics_.tip_velocity(), i);
-  return V;
+  return std::visit(
+      [](const auto& dynamics) {
+        Vector6 V;
+        for (int i = 0; i < 6; ++i) V[i] = component(dynamics.tip_velocity(), i);
+        return V;
+      },
+      plant_dynamics_);
 }
 
 const Observation& ClosedLoop::observe(double t, std::span<const double> y) {
-  const std::size_t n = joints_.size();
+  const auto np = static_cast<std::size_t>(positions_), nv = static_cast<std::size_t>(velocities_);
   seen_.t = t;
-  seen_.q.assign(y.begin(), y.begin() + static_cast<std::ptrdiff_t>(n));
-  seen_.qd.assign(y.begin() + static_cast<std::ptrdiff_t>(n), y.begin() + static_cast<std::ptrdiff_t>(2 * n));
+  std::copy_n(y.begin(), np, seen_.q.begin());
+  std::copy_n(y.begin() + positions_, nv, seen_.qd.begin());
   right_side(t, y.data(), derivative_.data());
-  seen_.qdd.assign(derivative_.begin() + static_cast<std::ptrdiff_t>(n),
-                   derivative_.begin() + static_cast<std::ptrdiff_t>(2 * n));
-  seen_.command = controller_.last();
-  for (int i = 0; i < 6; ++i) seen_.tip_acceleration[i] = component(plant_dynamics_.tip_acceleration(), i);
-  seen_.kinetic = plant_dynamics_.kinetic_energy(seen_.qd);
-  seen_.potential = plant_dynamics_.potential_energy();
-  seen_.work = y[2 * n];
-  seen_.dissipated = y[2 * n + 1];
-  seen_.external_work = y[2 * n + 2];
+  std::copy_n(derivative_.begin() + positions_, nv, seen_.qdd.begin());
+  seen_.command = sampled() ? controller_.look(t, seen_.q, seen_.qd) : controller_.last();
+  std::visit(
+      [&](const auto& dynamics) {
+        for (int i = 0; i < 6; ++i) seen_.tip_acceleration[i] = component(dynamics.tip_acceleration(), i);
+        seen_.kinetic = dynamics.kinetic_energy(seen_.qd);
+        seen_.potential = dynamics.potential_energy();
+      },
+      plant_dynamics_);
+  seen_.work = y[np + nv];
+  seen_.dissipated = y[np + nv + 1];
+  seen_.external_work = y[np + nv + 2];
   return seen_;
 }
 
