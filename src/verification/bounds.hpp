@@ -12,17 +12,18 @@ struct MeasuredBound {
   unsigned long seed;  // state in which it was seen
 };
 inline constexpr unsigned long measured_states = 100000;
-inline constexpr std::array<MeasuredBound, 10> measured_bounds{{
-    {"omega", 582, 233, 27442},
-    {"lambda", 283, 113, 98914},
-    {"c", 247, 98.7, 98914},
-    {"g", 7.88, 3.15, 2778},
-    {"c_plus_g", 43.4, 17.4, 67526},
-    {"torque", 35.9, 14.4, 67526},
-    {"forward_dynamics", 123, 49.1, 45169},
-    {"linearization", 401, 160, 98914},
+inline constexpr std::array<MeasuredBound, 11> measured_bounds{{
+    {"omega", 59.2, 23.7, 92017},
+    {"lambda", 3.86, 1.54, 48764},
+    {"c", 3.44, 1.37, 77705},
+    {"g", 1.24, 0.498, 75764},
+    {"c_plus_g", 1.14, 0.455, 76689},
+    {"torque", 1.08, 0.432, 25800},
+    {"forward_dynamics", 128, 51.4, 25112},
+    {"linearization", 2.15, 0.861, 11240},
     {"kinematics", 28.7, 11.5, 92850},
-    {"null_space", 0.128, 0.0512, 14752},
+    {"null_space", 0.179, 0.0717, 17816},
+    {"coordinates", 3.19, 1.28, 9572},
 }};
 
 }  // namespace osculate

@@ -5,14 +5,17 @@
 // entry of Omega in their block, angular or linear, so that radians and metres, N m and N are never compared.
 // A bound is a measured constant (bounds.hpp) times eps times the condition number that governs the quantity:
 // of M scaled to unit diagonal, or of Omega scaled by those weights. Unit diagonal would hide a direction
-// that the arm is about to lose: rounding in Omega is relative to its block.
+// that the arm is about to lose: rounding in Omega is relative to its block. Omega itself is known to eps
+// times its spread only, which every bound on a task quantity takes as a second factor (see `spread`).
 #pragma once
 
 #include <array>
 #include <string_view>
 
 #include "control/law.hpp"
+#include "reference/conditioning.hpp"
 #include "reference/dense.hpp"
+#include "verification/coordinate_check.hpp"
 
 namespace osculate {
 
@@ -27,12 +30,13 @@ enum class Claim {
   linearization,
   kinematics,
   null_space,
+  coordinates,
   // along the trajectory
   energy,
   analytic_response,
   decoupling,
 };
-inline constexpr std::size_t claim_count = 13;
+inline constexpr std::size_t claim_count = 14;
 
 struct ClaimInfo {
   std::string_view id, equation, compared_with;
@@ -48,6 +52,7 @@ inline constexpr std::array<ClaimInfo, claim_count> claim_table{{
     {"linearization", "(5)", "tip acceleration of the plant = u"},
     {"kinematics", "(7), (8), (41)", "J qd, J qdd + Jdot qd, derivative of the pose"},
     {"null_space", "(13)", "J M^-1 (T - J* F) = 0"},
+    {"coordinates", "(1)", "second derivative of the tip's coordinates = v"},
     {"energy", "power balance", "E - E(0) = work - dissipation"},
     {"analytic_response", "(5) with the error law", "closed-form solution of the commanded linear system"},
     {"decoupling", "(5) with the error law", "no motion along axes that were not commanded"},
@@ -71,17 +76,19 @@ using Residuals =
 struct Evidence {
   // given to both sides
   TaskRows rows;
-  VectorX<double> qd, u;                // n; m
-  VectorX<double> T0, net_torque;       // n: null-space torque; torque on the plant without friction
-  Vector6 tip_force = Vector6::Zero();  // on the plant
-  bool controlled = true;               // false: no task torque is formed (free swing)
-  bool plant_is_model = true;           // false: (5) need not hold
-  double reach = 1;                     // m, sum of the link offsets
+  VectorX<double> qd, u;                      // velocity coordinates; m
+  VectorX<double> T0, net_torque;             // null-space torque; torque on the plant without friction
+  Vector6 tip_force = Vector6::Zero();        // on the plant
+  Vector6 known_tip_force = Vector6::Zero();  // what the law knows of it
+  bool controlled = true;                     // false: the law does not act at this instant, or never
+  bool linearized = true;                     // false: (5) need not hold
+  BaseMotion<double> base;                    // at rest unless the experiment moves it
+  double reach = 1;                           // m, sum of the link offsets
   Vector3<double> gravity = Vector3<double>::Zero();  // m/s^2
 
   // from the recursions
-  RecursiveTerms recursive;
-  VectorX<double> F, T, qdd;  // m; n: J* F + null space; n: of the plant
+  RecursiveTerms recursive;   // empty where the law did not compute them
+  VectorX<double> F, T, qdd;  // m, empty if the law forms none; J* F + null space; of the plant
   Vector6 tip_velocity = Vector6::Zero(), tip_acceleration = Vector6::Zero();
   Pose tip;
 
@@ -89,21 +96,16 @@ struct Evidence {
   dense::State<double> model, plant;
   dense::Mobility<double> task;
   dense::TaskTerms<double> terms;
+  VectorX<double> delayed_torque;       // of a law with delay, by its definition; else empty
+  std::optional<ChartEvidence> chart;   // of a law in coordinates of its own
+  VectorX<double> levers;               // m, for each column of J: from the origin of its link to the tip
   Vector6 pose_rate = Vector6::Zero();  // derivative of the tip pose along qd
 };
 
-/// Fills the dense side from the models' numbers and the state alone. q: n, base to tip. `terms` need full
-/// rank.
+/// Fills the dense side from the models' numbers, the state and e.base alone. q: base to tip. `terms` need
+/// full rank.
 void fill_dense_side(Evidence& evidence, const Chain<double>& model, const Chain<double>& plant,
                      std::span<const double> q, bool full_rank = true);
-
-/// 2-norm condition number of a symmetric positive definite matrix scaled to unit diagonal; infinite if it is
-/// not.
-double scaled_condition(const MatrixX<double>& A);
-
-/// Number of singular values of A, scaled to unit diagonal, above 1e-13 times the largest. Rows with a zero
-/// diagonal count as lost.
-int scaled_rank(const MatrixX<double>& A);
 
 /// Difference of the commanded tip force F_c (4) from Lambda u + c + g, as a residual; F is judged through
 /// the torque claim.

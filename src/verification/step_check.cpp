@@ -16,35 +16,45 @@ double reach(const Chain<double>& chain) {
   return sum;
 }
 
-Evidence gather(ClosedLoop& loop, double t, std::span<const double> y) {
+Evidence gather(ClosedLoop& loop, double t, std::span<const double> y, bool at_sample) {
   const Observation& seen = loop.observe(t, y);
   Controller& controller = loop.controller();
   const Plant& plant = loop.plant();
-  const TaskRows& rows = controller.options().rows;
-  const auto m = static_cast<Eigen::Index>(rows.size());
+  const LawOptions& law = controller.options();
+  const TaskRows& rows = law.rows;
+  const bool delayed = law.sampling && law.sampling->delay != Delay::none;
 
   Evidence e;
   e.rows = rows;
-  e.controlled = controller.options().law == Law::operational_space;
-  e.plant_is_model = loop.plant_is_model();
+  e.controlled = law.law != Law::free && (!loop.sampled() || at_sample);
+  e.linearized = loop.plant_is_model() && !delayed;
+  e.base = loop.base(t);
   e.reach = reach(plant.chain);
   e.qd = vector(seen.qd);
-  e.u.resize(m);
-  e.F.resize(m);
-  for (Eigen::Index i = 0; i < m; ++i) {
-    e.u[i] = seen.command.u[rows[static_cast<std::size_t>(i)]];
-    e.F[i] = seen.command.F[rows[static_cast<std::size_t>(i)]];
-  }
+  e.u = seen.command.u(rows);
+  if (law.law == Law::operational_space) e.F = seen.command.F(rows);
   e.T = vector(controller.rigid_torque());
   e.T0 = vector(controller.null_space_torque());
   e.net_torque = vector(loop.net_torque());
   e.tip_force = plant.tip_force;
+  e.known_tip_force = law.known_tip_force;
   e.qdd = vector(seen.qdd);
   e.tip = seen.command.tip;
   e.tip_velocity = loop.plant_tip_velocity();
   e.tip_acceleration = seen.tip_acceleration;
-  e.recursive = controller.terms(seen.qd);
-  fill_dense_side(e, controller.model(), plant.chain, seen.q, e.recursive.Lambda.size() > 0);
+  const Coordinates v = seen.command.v;
+  const TipReference reference = seen.command.reference;
+  bool full_rank = true;
+  if (controller.monitored() && (!loop.sampled() || at_sample || law.law != Law::resolved_acceleration)) {
+    e.recursive = controller.terms(seen.qd);
+    full_rank = e.recursive.Lambda.size() > 0;
+  }
+  fill_dense_side(e, controller.model(), plant.chain, seen.q, full_rank);
+  if (e.controlled && controller.chart()) {
+    const auto& tip = e.plant.tip;
+    e.chart = judge_chart({*controller.chart(), law.stiffness, law.damping, reference}, v, tip,
+                          tip.J * e.qdd + tip.Jdot_qd);
+  }
   return e;
 }
 

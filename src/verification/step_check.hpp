@@ -10,7 +10,8 @@ namespace osculate {
 double reach(const Chain<double>& chain);
 
 /// Evaluates the closed loop at (t, y) by the lines that the right-hand side runs, then the dense side from
-/// the models' numbers and (q, qd) alone.
-Evidence gather(ClosedLoop& loop, double t, std::span<const double> y);
+/// the models' numbers and (q, qd) alone. Of a sampled law the torque is judged where it acts only:
+/// `at_sample` says that the law took its sample at this very state.
+Evidence gather(ClosedLoop& loop, double t, std::span<const double> y, bool at_sample = false);
 
 }  // namespace osculate

@@ -6,6 +6,8 @@
 // rounding.
 #pragma once
 
+#include <map>
+
 #include "control/linear_response.hpp"
 #include "simulation/closed_loop.hpp"
 #include "verification/verdict.hpp"
@@ -73,8 +75,11 @@ class TrajectoryClaims {
   double energy_start_ = 0, potential_start_ = 0;  // J
   double energy_scale_ = 0;                        // J, largest energy moved so far
   double energy_floor_ = 0;                        // J, energies below this are those of an arm at rest
-  double imbalance_ = 0, imbalance_bound_ = 0;     // J, at the instant with the largest ratio
-  double imbalance_time_ = 0;                      // s
+  struct Imbalance {
+    double value = 0, bound = 0, time = 0;  // J, J, s
+  };
+  /// The instant with the largest ratio, for each power of ten of the energy moved until then.
+  std::map<int, Imbalance> worst_imbalance_;
   double widest_bound_ = 0;                        // J
   long energy_steps_ = 0;
   double worst_position_ = 0, worst_orientation_ = 0;

@@ -25,14 +25,17 @@ const std::vector<std::pair<Claim, Disturb>> disturbances{
     {Claim::linearization, [](Evidence& e, double by) { e.tip_acceleration[4] += by; }},
     {Claim::kinematics, [](Evidence& e, double by) { e.tip_velocity[3] += by; }},
     {Claim::null_space, [](Evidence& e, double by) { e.T[0] += by; }},
+    {Claim::coordinates, [](Evidence& e, double by) { e.chart->ydd[0] += by; }},
 };
 
-/// A state where every claim applies: redundant, with null-space damping, well conditioned.
+/// A state where every claim applies: redundant, with null-space damping, in coordinates, well conditioned.
 Evidence ordinary_state(std::uint64_t from) {
   for (std::uint64_t seed = from;; ++seed) {
     try {
       Evidence e = sample_state(seed);
-      if (e.qd.size() > 6 && e.T0.cwiseAbs().maxCoeff() > 0 && scaled_condition(e.task.Omega) < 1e4) return e;
+      if (e.chart && e.qd.size() > 6 && e.T0.cwiseAbs().maxCoeff() > 0 &&
+          scaled_condition(e.task.Omega) < 1e4)
+        return e;
     } catch (const IntegrationStopped&) {}
   }
 }
