@@ -26,7 +26,11 @@ void add_payload(Chain<double>& chain, const Payload& payload) {
 }
 
 void set_armature(Chain<double>& chain, const std::vector<double>& armature) {
-  for (std::size_t i = 0; i < armature.size(); ++i) chain.links[i].armature = armature[i];
+  std::size_t first = 0;  // velocity coordinate; joints with several have no armature
+  for (auto& link : chain.links) {
+    if (first < armature.size() && one_axis(link.type)) link.armature = armature[first];
+    first += static_cast<std::size_t>(velocity_count(link.type));
+  }
 }
 
 }  // namespace
@@ -35,7 +39,7 @@ void require_articulated(const Chain<double>& chain, const ArmDescription& descr
                          std::span<const double> q) {
   // M = (1 + H phi K) D (1 + H phi K)* (49): eliminating the joints from the tip inwards leaves D(1), D(2),
   // ... as pivots.
-  const VectorX<double> still = VectorX<double>::Zero(chain.n());
+  const VectorX<double> still = VectorX<double>::Zero(chain.velocities());
   const MatrixX<double> M = dense::joint_space(chain, positions(chain, q), still).M;
   const VectorX<double> D_of = dense::factor(MatrixX<double>(M.reverse())).D;
   double mass = 0, size = chain.p_tip.norm();
@@ -43,13 +47,16 @@ void require_articulated(const Chain<double>& chain, const ArmDescription& descr
     mass += link.mass;
     size += link.p_origin.norm();
   }
+  Eigen::Index eliminated = 0;
   for (int k = 1; k <= chain.n(); ++k) {
     const auto i = static_cast<std::size_t>(chain.n() - k);
-    const bool turns = chain.links[i].type == JointType::revolute;
+    const JointType type = chain.links[i].type;
+    const bool turns = type == JointType::revolute;
     // D below the rounding of the sums it is made of means that nothing outboard resists this joint.
     const double floor =
         16 * chain.n() * std::numeric_limits<double>::epsilon() * mass * (turns ? size * size : 1);
-    const double D = D_of[k - 1];
+    const double D = D_of.segment(eliminated, velocity_count(type)).minCoeff();
+    eliminated += velocity_count(type);
     if (D > floor) continue;
     std::string text =
         description.source + ": joint '" + description.joints[i].name + "': D(" + std::to_string(k) +

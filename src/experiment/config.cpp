@@ -33,11 +33,12 @@ const std::vector<std::string> claim_ids{"omega",
                                          "torque",
                                          "forward_dynamics",
                                          "linearization",
-                                         "decoupling",
-                                         "analytic_response",
-                                         "energy",
                                          "kinematics",
-                                         "null_space"};
+                                         "null_space",
+                                         "coordinates",
+                                         "energy",
+                                         "analytic_response",
+                                         "decoupling"};
 constexpr double most_samples = 1e8;  // recorded instants of one run; more is a slip of the interval
 
 // ---- parts that occur under `model` and under `plant`
@@ -164,12 +165,7 @@ void read_initial(const Setting& setting, Experiment& out) {
     fail_missing(q, "give one number for each joint from base to tip (zero is singular for common arms).");
   read(q, out.q);
   if (out.q.empty()) fail(q, "must have one number for each joint from base to tip.");
-  out.qd.assign(out.q.size(), 0.0);
   read(qd, out.qd);
-  if (!out.qd.empty() && out.qd.size() != out.q.size())
-    fail(qd, "has " + std::to_string(out.qd.size()) + " entries, initial.q has " +
-                 std::to_string(out.q.size()) +
-                 "; give one for each joint, or leave it out to start at rest.");
 }
 
 const std::vector<std::pair<std::string, std::vector<std::string>>> reference_keys{
@@ -194,10 +190,10 @@ std::vector<std::string> keys_of_type(const Setting& setting, const std::string&
     if (owners.empty()) continue;
     for (const auto& item : setting.value->items)
       if (item.key == given)
-        throw ConfigError(item.key_place + ": unknown key 'reference." + given + "': it belongs to type " +
-                          either(owners) + ", the type here is " + type +
-                          "; remove it, or replace the whole reference (--set \"reference={type: " + type +
-                          "}\").");
+        throw ConfigError(item.key_place + ": unknown key '" + setting.path + "." + given +
+                          "': it belongs to type " + either(owners) + ", the type here is " + type +
+                          "; remove it, or replace the whole " + setting.path + " (--set \"" + setting.path +
+                          "={type: " + type + "}\").");
   }
   return keys;
 }
@@ -208,7 +204,7 @@ ReferenceConfig read_reference(const Setting& setting, const std::filesystem::pa
   std::string type = "hold";
   if (yaml::is_map(setting)) {
     for (const auto& item : setting.value->items)
-      if (item.key == "type") type = yaml::read_word({&item, "reference.type", item.place}, types);
+      if (item.key == "type") type = yaml::read_word({&item, setting.path + ".type", item.place}, types);
   }
   const Map map(setting, keys_of_type(setting, type));
   if (type == "step") {
@@ -262,20 +258,63 @@ void read_rows(const Setting& setting, std::vector<int>& out) {
   }
 }
 
+std::optional<Sampling> read_sampling(const Setting& setting, Law law) {
+  if (!setting.given()) return std::nullopt;
+  const Map map(setting, {"period", "delay", "extrapolate", "monitor_every"});
+  Sampling out;
+  if (law == Law::free) fail(setting, "a free swing has nothing to sample: remove it.");
+  if (!map.at("period").given()) fail_missing(map.at("period"), "give the time between samples in s.");
+  read(map.at("period"), out.period, above_zero("leave sampling out for a law that acts at every instant"));
+  const auto delay = map.at("delay"), line = map.at("extrapolate"), monitor = map.at("monitor_every");
+  read(
+      delay, out.delay,
+      {{"none", Delay::none}, {"velocity", Delay::velocity}, {"force", Delay::force}, {"both", Delay::both}});
+  read(line, out.extrapolate);
+  read(monitor, out.monitor_every, 1);
+  if (out.delay != Delay::none && law != Law::operational_space)
+    fail(delay, "only operational_space has delayed forms: use delay: none.");
+  if (out.extrapolate && out.delay == Delay::none)
+    fail(line, "there is nothing to extrapolate: give a delay.");
+  if (out.monitor_every > 1 && law != Law::resolved_acceleration)
+    fail(monitor, "operational_space computes Lambda, c and g at every sample: use resolved_acceleration.");
+  return out;
+}
+
 ControllerConfig read_controller(const Setting& setting) {
-  const Map map(setting, {"law", "coordinates", "rows", "gains", "null_space", "compensate_friction"});
+  const Map map(setting, {"law", "coordinates", "rows", "orientation", "position", "gains", "null_space",
+                          "compensate_friction", "compensate_tip_force", "sampling"});
   const Map gains(map.at("gains"), {"stiffness", "damping"});
   const Map null_space(map.at("null_space"), {"damping"});
   ControllerConfig out;
-  if (!map.at("law").given()) fail_missing(map.at("law"), "give operational_space or free.");
-  read(map.at("law"), out.law, {{"operational_space", Law::operational_space}, {"free", Law::free}});
+  if (!map.at("law").given())
+    fail_missing(map.at("law"), "give operational_space, resolved_acceleration or free.");
+  read(map.at("law"), out.law,
+       {{"operational_space", Law::operational_space},
+        {"resolved_acceleration", Law::resolved_acceleration},
+        {"free", Law::free}});
   const std::vector<int> pose{0, 1, 2, 3, 4, 5}, position{3, 4, 5};
   read(map.at("coordinates"), out.rows, {{"pose", pose}, {"position", position}});
   read_rows(map.at("rows"), out.rows);
   yaml::read_one_or_six(gains.at("stiffness"), out.stiffness, at_least_zero());
   yaml::read_one_or_six(gains.at("damping"), out.damping, at_least_zero());
   read(null_space.at("damping"), out.null_space_damping, at_least_zero());
+  if (out.law == Law::resolved_acceleration && out.null_space_damping > 0)
+    fail(null_space.at("damping"),
+         "resolved_acceleration has no null space: remove it, or use operational_space.");
   read(map.at("compensate_friction"), out.compensate_friction);
+  read(map.at("compensate_tip_force"), out.compensate_tip_force);
+  using Orientation = OrientationCoordinates;
+  using Position = PositionCoordinates;
+  read(map.at("orientation"), out.orientation,
+       {{"rotation_vector", Orientation::rotation_vector},
+        {"roll_pitch_yaw", Orientation::roll_pitch_yaw},
+        {"zyz_euler", Orientation::zyz_euler},
+        {"quaternion", Orientation::quaternion}});
+  read(map.at("position"), out.position,
+       {{"cartesian", Position::cartesian},
+        {"cylindrical", Position::cylindrical},
+        {"spherical", Position::spherical}});
+  out.sampling = read_sampling(map.at("sampling"), out.law);
   return out;
 }
 
@@ -371,8 +410,8 @@ Experiment parse_experiment(const std::string& text, const std::string& source,
   auto document = yaml::parse(text, source);
   for (const auto& override_text : overrides) yaml::apply_override(document, override_text);
   const Map root({&document, "", document.place},
-                 {"name", "model", "plant", "initial", "reference", "controller", "integrator", "duration",
-                  "output", "verify", "expect"});
+                 {"name", "model", "plant", "initial", "reference", "base_motion", "controller", "integrator",
+                  "duration", "output", "verify", "expect"});
   Experiment out;
   out.file = source;
   out.name = source.empty() ? "experiment" : out.file.stem().string();
@@ -382,6 +421,12 @@ Experiment parse_experiment(const std::string& text, const std::string& source,
   out.plant = read_plant(root.at("plant"));
   read_initial(root.at("initial"), out);
   out.reference = read_reference(root.at("reference"), directory);
+  if (root.at("base_motion").given()) {
+    out.base_motion = read_reference(root.at("base_motion"), directory);
+    if (std::holds_alternative<WaypointsOptions>(*out.base_motion) ||
+        std::holds_alternative<StepOptions>(*out.base_motion))
+      fail(root.at("base_motion"), "a base moves along type line, circle or lissajous.");
+  }
   out.controller = read_controller(root.at("controller"));
   out.integrator = read_integrator(root.at("integrator"));
   read(root.at("duration"), out.duration, above_zero());

@@ -37,8 +37,8 @@ struct Payload {
 struct ModelConfig {
   std::filesystem::path urdf;           // absolute after reading
   ChainChoice choice;                   // keys: base, tip, gravity, side_branches
-  std::vector<double> armature;         // kg m^2 or kg for each joint, base to tip; empty: none
-  std::vector<JointFriction> friction;  // for each joint; empty: none
+  std::vector<double> armature;         // kg m^2 or kg for each velocity coordinate, base to tip; empty: none
+  std::vector<JointFriction> friction;  // for each velocity coordinate; empty: none
 };
 
 /// How the true arm differs from the controller's model. Absent: as the model.
@@ -60,7 +60,11 @@ struct ControllerConfig {
   Vector6 damping = Vector6::Constant(20);     // 1/s for each axis, >= 0
   double null_space_damping =
       0;  // N m s/rad or N s/m: T0 = -damping qd, projected into the null space; redundant arms
-  bool compensate_friction = true;  // add the model's joint friction to the torque
+  bool compensate_friction = true;    // add the model's joint friction to the torque
+  bool compensate_tip_force = false;  // the law knows plant.tip_force
+  OrientationCoordinates orientation = OrientationCoordinates::rotation_vector;
+  PositionCoordinates position = PositionCoordinates::cartesian;
+  std::optional<Sampling> sampling;  // none: the law acts at every instant
 };
 
 struct IntegratorConfig {
@@ -96,6 +100,7 @@ struct Experiment {
   PlantConfig plant;
   std::vector<double> q, qd;  // base to tip; qd empty: at rest
   ReferenceConfig reference;
+  std::optional<ReferenceConfig> base_motion;  // of the base in the inertial frame; none: at rest
   ControllerConfig controller;
   IntegratorConfig integrator;
   double duration = 10;  // s, > 0

@@ -56,6 +56,25 @@ std::string friction(const std::vector<JointFriction>& joints) {
          ", v_s: " + part(&JointFriction::v_s) + "}";
 }
 
+std::string law(Law law) {
+  switch (law) {
+    case Law::operational_space:
+      return "operational_space";
+    case Law::resolved_acceleration:
+      return "resolved_acceleration";
+    case Law::free:
+      return "free";
+  }
+  return "";
+}
+
+std::string sampling(const Sampling& s) {
+  const char* delays[] = {"none", "velocity", "force", "both"};
+  return "{period: " + number(s.period) + ", delay: " + delays[static_cast<int>(s.delay)] +
+         ", extrapolate: " + (s.extrapolate ? "true" : "false") +
+         ", monitor_every: " + std::to_string(s.monitor_every) + "}";
+}
+
 struct WriteReference {
   std::string operator()(const HoldOptions&) const { return "  type: hold\n"; }
   std::string operator()(const StepOptions& o) const {
@@ -117,17 +136,22 @@ std::string to_yaml(const Experiment& x) {
       << "  qd: " << numbers(x.qd) << "\n"
       << "reference:\n"
       << std::visit(WriteReference{}, x.reference);
+  if (x.base_motion) out << "base_motion:\n" << std::visit(WriteReference{}, *x.base_motion);
 
   const auto& c = x.controller;
   out << "controller:\n"
-      << "  law: " << (c.law == Law::operational_space ? "operational_space" : "free") << "\n"
+      << "  law: " << law(c.law) << "\n"
       << "  rows: " << list(c.rows, [](int row) { return std::string(task_row_names.at(row)); }) << "\n"
       << "  gains:\n"
       << "    stiffness: " << numbers<6>(c.stiffness) << "\n"
       << "    damping: " << numbers<6>(c.damping) << "\n"
       << "  null_space:\n"
       << "    damping: " << number(c.null_space_damping) << "\n"
-      << "  compensate_friction: " << (c.compensate_friction ? "true" : "false") << "\n";
+      << "  compensate_friction: " << (c.compensate_friction ? "true" : "false") << "\n"
+      << "  compensate_tip_force: " << (c.compensate_tip_force ? "true" : "false") << "\n"
+      << "  orientation: " << name(c.orientation) << "\n"
+      << "  position: " << name(c.position) << "\n";
+  if (c.sampling) out << "  sampling: " << sampling(*c.sampling) << "\n";
 
   const auto& i = x.integrator;
   out << "integrator:\n"

@@ -18,18 +18,62 @@ std::vector<std::string> halves(const std::string& angular, const std::string& l
   return {angular, angular, angular, linear, linear, linear};
 }
 
+/// Names of a joint's position coordinates with their units; of one coordinate, the joint's name.
+std::vector<std::pair<std::string, std::string>> position_coordinates(const JointInfo& joint) {
+  const auto named = [&joint](std::vector<std::pair<std::string, std::string>> list) {
+    for (auto& entry : list) entry.first = joint.name + "." + entry.first;
+    return list;
+  };
+  switch (joint.type) {
+    case JointType::revolute:
+      return {{joint.name, "rad"}};
+    case JointType::prismatic:
+      return {{joint.name, "m"}};
+    case JointType::cylindrical:
+      return named({{"angle", "rad"}, {"displacement", "m"}});
+    case JointType::universal:
+      return named({{"angle1", "rad"}, {"angle2", "rad"}});
+    case JointType::planar:
+      return named({{"x", "m"}, {"y", "m"}, {"angle", "rad"}});
+    case JointType::spherical:
+      return named({{"qw", "1"}, {"qx", "1"}, {"qy", "1"}, {"qz", "1"}});
+    case JointType::floating:
+      return named({{"qw", "1"}, {"qx", "1"}, {"qy", "1"}, {"qz", "1"}, {"x", "m"}, {"y", "m"}, {"z", "m"}});
+  }
+  return {};
+}
+
+/// Names of its velocity coordinates, and whether they are angular.
+std::vector<std::pair<std::string, bool>> velocity_coordinates(const JointInfo& joint) {
+  std::vector<std::pair<std::string, bool>> out;
+  if (joint.type == JointType::spherical || joint.type == JointType::floating) {
+    for (const char* name : {"wx", "wy", "wz"}) out.emplace_back(joint.name + "." + name, true);
+    if (joint.type == JointType::floating)
+      for (const char* name : {"vx", "vy", "vz"}) out.emplace_back(joint.name + "." + name, false);
+    return out;
+  }
+  for (const auto& [name, unit] : position_coordinates(joint)) out.emplace_back(name, unit == "rad");
+  return out;
+}
+
 Layout make_layout(const Experiment& experiment, const Arms& arms, const std::string& command) {
   Layout layout;
   layout.title = experiment.name;
 
-  std::vector<std::string> names, position_units, velocity_units, acceleration_units, effort_units, rows;
+  std::vector<std::string> names, position_names, velocity_names, position_units, velocity_units,
+      acceleration_units, effort_units, rows;
   for (const auto& joint : arms.description.joints) {
-    const bool turns = joint.type == JointType::revolute;
     names.push_back(joint.name);
-    position_units.push_back(turns ? "rad" : "m");
-    velocity_units.push_back(turns ? "rad/s" : "m/s");
-    acceleration_units.push_back(turns ? "rad/s^2" : "m/s^2");
-    effort_units.push_back(turns ? "N m" : "N");
+    for (const auto& [name, unit] : position_coordinates(joint)) {
+      position_names.push_back(name);
+      position_units.push_back(unit);
+    }
+    for (const auto& [name, turns] : velocity_coordinates(joint)) {
+      velocity_names.push_back(name);
+      velocity_units.push_back(turns ? "rad/s" : "m/s");
+      acceleration_units.push_back(turns ? "rad/s^2" : "m/s^2");
+      effort_units.push_back(turns ? "N m" : "N");
+    }
   }
   for (const int row : experiment.controller.rows)
     rows.push_back(spatial_labels[static_cast<std::size_t>(row)]);
@@ -38,8 +82,8 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
       {"time", {}, "s", "time of the recorded instants"},
       {"step", {}, "1", "number of the accepted integrator step"},
       {"joint", names, "", "joints, base to tip"},
-      {"position_coordinate", names, "", "joint position coordinates, base to tip"},
-      {"velocity_coordinate", names, "", "joint velocity coordinates, base to tip"},
+      {"position_coordinate", position_names, "", "joint position coordinates, base to tip"},
+      {"velocity_coordinate", velocity_names, "", "joint velocity coordinates, base to tip"},
       {"spatial", spatial_labels, "", "spatial components, angular first, base frame, about the tip point"},
       {"spatial_column", spatial_labels, "", "columns of a spatial matrix"},
       {"xyz", xyz_labels, "", "components in the base frame"},
@@ -81,6 +125,21 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
   along_time("trajectory/reference_orientation", {"quaternion"}, "1", "reference of the tip axes");
   along_time("trajectory/reference_velocity", {"spatial"}, "", "reference velocity");
   along_time("trajectory/reference_acceleration", {"spatial"}, "", "reference acceleration");
+  if (const auto chart = chart_of(experiment.controller.orientation, experiment.controller.position)) {
+    std::vector<std::string> coordinates, units, accelerations;
+    for (const CoordinateName& c : chart->names()) {
+      coordinates.emplace_back(c.name);
+      units.emplace_back(c.unit);
+      accelerations.push_back(std::string(c.unit) + "/s^2");
+    }
+    layout.axes.push_back({"coordinate", coordinates, "", "operational coordinates that the law tracks"});
+    layout.lists.push_back({"coordinate_unit", "coordinate", units, "unit of the coordinates"});
+    layout.lists.push_back(
+        {"coordinate_acceleration_unit", "coordinate", accelerations, "unit of their second derivatives"});
+    along_time("trajectory/coordinate", {"coordinate"}, "", "operational coordinates of the tip");
+    along_time("trajectory/coordinate_command", {"coordinate"}, "",
+               "commanded second derivative of the operational coordinates");
+  }
   along_time("operational_space/Omega", {"spatial", "spatial_column"}, "",
              "J M^-1 J*, inverse of Lambda, by recursion");
   along_time("operational_space/Lambda", {"spatial", "spatial_column"}, "",
@@ -166,6 +225,8 @@ void Recording::output(const Observation& seen, const TaskRows& rows, const Recu
   push(row_, reference_quaternion_);
   push(row_, command.reference.velocity);
   push(row_, command.reference.acceleration);
+  push(row_, command.y);
+  push(row_, command.v);
   push(row_, terms.Omega);  // symmetric: row-major or column-major alike
   Eigen::Matrix<double, 6, 6> Lambda = Eigen::Matrix<double, 6, 6>::Constant(missing);
   Vector6 c = Vector6::Constant(missing), g = c, F = c;

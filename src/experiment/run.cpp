@@ -1,5 +1,6 @@
 #include "experiment/run.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -7,6 +8,7 @@
 
 #include "experiment/recording.hpp"
 #include "simulation/cvode.hpp"
+#include "verification/delayed_law.hpp"
 #include "verification/step_check.hpp"
 
 namespace osculate {
@@ -52,14 +54,14 @@ std::string stop_name(Reason reason) {
   return "failed";
 }
 
-IntegratorOptions integrator_options(const IntegratorConfig& config, int joints, double tighter) {
+IntegratorOptions integrator_options(const IntegratorConfig& config, const ClosedLoop& loop, double tighter) {
   IntegratorOptions options;
   options.method = config.method;
   options.rtol = std::max(config.rtol / tighter, std::min(config.rtol, smallest_rtol));
   options.max_step = config.max_step > 0 ? config.max_step : default_max_step;
-  const auto n = static_cast<std::size_t>(joints);
-  options.atol.assign(n, config.atol_position / tighter);
-  options.atol.insert(options.atol.end(), n, config.atol_velocity / tighter);
+  options.atol.assign(static_cast<std::size_t>(loop.positions()), config.atol_position / tighter);
+  options.atol.insert(options.atol.end(), static_cast<std::size_t>(loop.velocities()),
+                      config.atol_velocity / tighter);
   options.atol.insert(options.atol.end(), 3, energy_atol * config.atol_velocity / tighter);
   return options;
 }
@@ -79,12 +81,53 @@ struct Simulation {
   Simulation(const Simulation&) = delete;  // the integrator holds a pointer to the loop
 };
 
+/// Times at which the integrators stop and start anew: the samples of a sampled law, or else the times at
+/// which the reference or the base jumps; at last the duration.
+class Stops {
+ public:
+  Stops(const Experiment& experiment, const Controller& controller) : duration_(experiment.duration) {
+    if (experiment.controller.sampling) {
+      period_ = experiment.controller.sampling->period;
+      return;
+    }
+    times_ = controller.path().breakpoints();
+    if (const auto& base = controller.options().base_path)
+      for (const double t : base->breakpoints()) times_.push_back(t);
+    std::sort(times_.begin(), times_.end());
+    times_.erase(std::unique(times_.begin(), times_.end()), times_.end());
+    std::erase_if(times_, [this](double t) { return t >= duration_; });
+  }
+  /// NaN after the last.
+  double next() {
+    ++number_;
+    // k * period, never accumulated; a last one that is the duration to rounding counts as the duration.
+    double t = duration_;
+    if (period_ > 0)
+      t = static_cast<double>(number_) * period_;
+    else if (number_ <= static_cast<long>(times_.size()))
+      t = times_[static_cast<std::size_t>(number_ - 1)];
+    if (t > duration_ - 1e-9 * period_) t = duration_;
+    if (done_) return std::numeric_limits<double>::quiet_NaN();
+    done_ = t >= duration_;
+    return t;
+  }
+
+ private:
+  double duration_, period_ = 0;
+  std::vector<double> times_;
+  long number_ = 0;
+  bool done_ = false;
+};
+
 /// The run while it goes on.
 class Runner {
  public:
   Runner(const Experiment& experiment, const RunOptions& options)
       : experiment_(experiment), options_(options), arms_(make_arms(experiment)), problem_(make_problem()) {
     result_.warnings = arms_.warnings;
+    const auto& sampling = experiment.controller.sampling;
+    if (sampling && sampling->delay != Delay::none)
+      delayed_law_.emplace(arms_.model, problem_.controller().options());
     if (options.output) {
       const Timed timed(result_.times.recording);
       recording_.emplace(*options.output, experiment, arms_, options.command, options.force);
@@ -117,18 +160,34 @@ class Runner {
  private:
   ClosedLoop make_problem() const {
     const ControllerConfig& c = experiment_.controller;
-    const LawOptions law{
-        c.law, c.rows, c.stiffness, c.damping, c.null_space_damping, c.compensate_friction, std::nullopt};
-    const Pose initial = tip_pose(arms_.model, experiment_.q);
-    std::shared_ptr<const Path> path = std::visit(
+    LawOptions law;
+    law.law = c.law;
+    law.rows = c.rows;
+    law.stiffness = c.stiffness;
+    law.damping = c.damping;
+    law.null_space_damping = c.null_space_damping;
+    law.compensate_friction = c.compensate_friction;
+    law.orientation = c.orientation;
+    law.position = c.position;
+    law.sampling = c.sampling;
+    if (c.compensate_tip_force) law.known_tip_force = arms_.plant.tip_force;
+    if (experiment_.base_motion && !std::holds_alternative<HoldOptions>(*experiment_.base_motion))
+      law.base_path = path_of(*experiment_.base_motion, {});
+    const Pose initial = tip_pose(arms_.model, experiment_.q, base_motion(law.base_path.get(), 0));
+    std::shared_ptr<const Path> path = path_of(experiment_.reference, initial);
+    return ClosedLoop(Controller(arms_.model, arms_.friction, law, std::move(path), initial), arms_.plant);
+  }
+
+  /// `initial`: where waypoints start from.
+  static std::shared_ptr<const Path> path_of(const ReferenceConfig& config, const Pose& initial) {
+    return std::visit(
         [&initial](const auto& reference) -> std::unique_ptr<Path> {
           if constexpr (std::is_same_v<std::decay_t<decltype(reference)>, WaypointsOptions>)
             return make_path(reference, initial);
           else
             return make_path(reference);
         },
-        experiment_.reference);
-    return ClosedLoop(Controller(arms_.model, arms_.friction, law, std::move(path), initial), arms_.plant);
+        config);
   }
 
   std::vector<double> start() const {
@@ -141,36 +200,50 @@ class Runner {
 
   void integrate() {
     const std::vector<double> y0 = start();
-    const int n = problem_.joints();
-    Simulation main(problem_, y0, integrator_options(experiment_.integrator, n, 1));
+    Simulation main(problem_, y0, integrator_options(experiment_.integrator, problem_, 1));
     std::optional<Simulation> shadow;
     if (experiment_.verify.shadow)
-      shadow.emplace(problem_, y0, integrator_options(experiment_.integrator, n, shadow_factor));
+      shadow.emplace(problem_, y0, integrator_options(experiment_.integrator, problem_, shadow_factor));
+    Simulation* const other = shadow ? &*shadow : nullptr;
     row_state_.resize(y0.size());
+    if (problem_.sampled()) sample(0, main, other);
     trajectory_.emplace(problem_, problem_.observe(0, y0));
     if (shadow) result_.error.known = true;
-    check_step(0, y0, shadow ? &*shadow : nullptr);
+    check_step(0, y0, other, problem_.sampled());
     write_rows(main, 0);
 
-    std::vector<double> stops = problem_.controller().path().breakpoints();
-    std::erase_if(stops, [this](double t) { return t >= experiment_.duration; });
-    stops.push_back(experiment_.duration);
-    for (const double stop : stops) {
+    Stops stops(experiment_, problem_.controller());
+    for (double stop = stops.next(); !std::isnan(stop); stop = stops.next()) {
+      // A law that acts at every instant sees a jump of its reference at `stop` from the left up to there.
       limit_ = stop < experiment_.duration ? std::nextafter(stop, 0.0) : stop;
       main.limit = limit_;
       if (shadow) shadow->limit = limit_;
       while (main.integrator.t() < stop) {
         interrupted_ = options_.signal && *options_.signal != 0;
         if (interrupted_ || result_.steps >= experiment_.integrator.max_steps) return;
-        advance(main, shadow ? &*shadow : nullptr, stop);
+        advance(main, other, stop);
         show_progress();
       }
-      if (stop < experiment_.duration) {
-        main.integrator.restart();
-        if (shadow) shadow->integrator.restart();
+      if (stop >= experiment_.duration) break;
+      main.integrator.restart();
+      if (shadow) shadow->integrator.restart();
+      if (problem_.sampled()) {
+        sample(stop, main, other);
+        check_step(stop, main.integrator.state(), other, true);
+        record_step(last_step_);  // what the law did at the end of the step is judged now
+      } else {
         trajectory_->restart_at(stop);
       }
     }
+  }
+
+  /// The next sample of the law in the run, in its shadow, and in the copy that is observed.
+  void sample(double t, Simulation& main, Simulation* shadow) {
+    main.loop.sample(t, main.integrator.state());
+    problem_.sample(t, main.integrator.state());
+    if (shadow) shadow->loop.sample(t, shadow->integrator.state());
+    ++result_.samples;
+    result_.sweeps_per_sample = problem_.controller().sweeps_of_last_torque();
   }
 
   void advance(Simulation& main, Simulation* shadow, double stop) {
@@ -184,25 +257,31 @@ class Runner {
       while (shadow->integrator.t() < step.t) shadow->integrator.step(stop);
     }
     ++result_.steps;
+    last_step_ = step;
     result_.end_time = step.t;
     result_.rhs_evaluations = main.integrator.rhs_evaluations();
     last_state_.assign(main.integrator.state().begin(), main.integrator.state().end());
     write_rows(main, step.t - step.h);
     if (result_.steps % experiment_.verify.every == 0 || step.t >= experiment_.duration) {
-      check_step(step.t, main.integrator.state(), shadow);
-      record_step(step);
+      check_step(step.t, main.integrator.state(), shadow, false);
+      const bool sample_follows = problem_.sampled() && step.t >= stop && stop < experiment_.duration;
+      if (!sample_follows) record_step(step);
     }
   }
 
-  void check_step(double step_end, std::span<const double> y, Simulation* shadow) {
+  /// at_sample: a sampled law has just acted at this state.
+  void check_step(double step_end, std::span<const double> y, Simulation* shadow, bool at_sample) {
     const Timed timed(result_.times.checking);
-    const double t = std::min(step_end, limit_);  // a jump of the reference is seen from the left
-    const Evidence evidence = gather(problem_, t, y);
+    const double t = at_sample ? step_end : std::min(step_end, limit_);  // a jump is seen from the left
+    Evidence evidence = gather(problem_, t, y, at_sample);
+    if (at_sample && delayed_law_)
+      evidence.delayed_torque =
+          delayed_law_->torque(problem_.q(y.data()), evidence.qd, evidence.u, evidence.T0);
     residuals_ = assess(evidence);
     last_condition_ = scaled_condition(evidence.task.Omega);
     // The trajectory claims read a fresh observation: gather went on to other sweeps.
     const Observation seen = problem_.observe(t, y);
-    if (shadow && t > 0) {
+    if (shadow && t > 0 && !at_sample) {
       shadow->integrator.interpolate(step_end, 0, row_state_);
       result_.error.add(seen, shadow->loop.observe(t, row_state_));
     }
@@ -219,6 +298,7 @@ class Runner {
     const std::vector<double> y = last_state_.empty() ? start() : last_state_;
     LawOptions law = problem_.controller().options();
     law.law = Law::free;
+    law.sampling.reset();
     ClosedLoop still(Controller(arms_.model, arms_.friction, law, problem_.controller().shared_path(),
                                 problem_.controller().initial()),
                      arms_.plant);
@@ -253,11 +333,7 @@ class Runner {
       const Observation& seen = problem_.observe(std::min(t, limit_), row_state_);
       const TaskRows& rows = problem_.controller().options().rows;
       const RecursiveTerms terms = problem_.controller().terms(seen.qd);
-      const auto m = static_cast<Eigen::Index>(rows.size());
-      MatrixX<double> Omega(m, m);
-      for (Eigen::Index i = 0; i < m; ++i)
-        for (Eigen::Index j = 0; j < m; ++j)
-          Omega(i, j) = terms.Omega(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
+      const MatrixX<double> Omega = terms.Omega(rows, rows);
       const double condition = scaled_condition(Omega);
       recording_->output(seen, rows, terms,
                          std::isfinite(condition) ? condition : std::numeric_limits<double>::quiet_NaN());
@@ -283,8 +359,14 @@ class Runner {
       for (const Claim claim : {Claim::torque, Claim::linearization}) reasons[index(claim)] = "free swing";
     } else if (!problem_.plant_is_model()) {
       reasons[index(Claim::linearization)] = "plant and model differ on purpose";
+    } else if (delayed_law_) {
+      reasons[index(Claim::linearization)] = "the law is delayed on purpose";
     }
-    reasons[index(Claim::null_space)] = "no null-space torque";
+    reasons[index(Claim::null_space)] =
+        delayed_law_ ? "the law is delayed on purpose" : "no null-space torque";
+    reasons[index(Claim::coordinates)] = problem_.controller().chart()
+                                             ? reasons[index(Claim::linearization)]
+                                             : "no coordinates of its own are tracked";
     result_.claims = verdict_.results(reasons);
     if (trajectory_) {
       result_.claims[index(Claim::energy)] = trajectory_->energy_result();
@@ -338,11 +420,13 @@ class Runner {
   RunResult result_;
   std::optional<Recording> recording_;
   std::optional<TrajectoryClaims> trajectory_;
+  std::optional<DelayedLaw> delayed_law_;  // the definition that a law with delay is judged by
   Verdict verdict_;
   Residuals residuals_{};
   bool worse_ = false, interrupted_ = false;
   double last_condition_ = 1;
   double limit_ = std::numeric_limits<double>::infinity();
+  StepInfo last_step_;
   std::vector<double> row_state_, last_state_;
   long next_row_ = 0;
   Clock::time_point begun_ = Clock::now(), shown_ = Clock::now();
@@ -375,6 +459,11 @@ std::string report(const Experiment& experiment, const RunResult& r) {
   if (r.analytic) {
     std::snprintf(line, sizeof line, "distance from the closed-form solution: tip %.2e m, %.2e rad\n",
                   r.worst_position, r.worst_orientation);
+    add();
+  }
+  if (r.samples > 0) {
+    std::snprintf(line, sizeof line, "%ld samples of the law, %ld sweeps each\n", r.samples,
+                  r.sweeps_per_sample);
     add();
   }
   std::snprintf(

@@ -17,6 +17,7 @@ ArmDescription arm_with(const Strings& joints) {
     JointInfo joint;
     joint.name = name;
     arm.joints.push_back(joint);
+    arm.chain.links.emplace_back();
   }
   return arm;
 }
@@ -30,7 +31,7 @@ TEST_CASE("a minimal experiment has every default of the header") {
   CHECK(e.model.choice.base.empty());
   CHECK(e.model.choice.gravity == Vector3<double>(0, 0, -9.80665));
   CHECK(e.q == std::vector<double>{0, 1});
-  CHECK(e.qd == std::vector<double>{0, 0});
+  CHECK(e.qd.empty());  // at rest
   CHECK(std::holds_alternative<HoldOptions>(e.reference));
   CHECK(e.controller.rows == std::vector<int>{0, 1, 2, 3, 4, 5});
   CHECK(e.controller.stiffness == Vector6::Constant(100));
@@ -211,6 +212,54 @@ TEST_CASE("lists are checked against the arm, at the place where they were given
   auto made = parse(Lines{}.text());
   made.places.clear();
   CHECK(message([&] { check_against(made, arm); }) == "reach.yaml: initial.q has 2 entries, " + three);
+}
+
+TEST_CASE("what a law needs of the arm is checked against it") {
+  const auto arm = arm_with({"j1", "j2", "j3", "j4", "j5", "j6"});
+  const auto check = [&](const std::string& controller, const std::string& more = "") {
+    const Lines lines{.initial = "initial: {q: [0, 1, 2, 3, 4, 5]}", .controller = controller, .more = more};
+    return message([&] { check_against(parse(lines.text()), arm); });
+  };
+  const auto says = [](const std::string& text, const std::string& part) {
+    INFO(text);
+    CHECK(text.find(part) != std::string::npos);
+  };
+  CHECK(check("controller: {law: resolved_acceleration}") == "(accepted)");
+  says(check("controller: {law: resolved_acceleration, rows: [vx, vy, vz]}"),
+       "as many task rows as joint coordinates; here are 3 and 6");
+  says(check("controller: {law: operational_space, orientation: quaternion, rows: [wx, vx, vy, vz]}"),
+       "needs the task rows wx, wy and wz");
+  says(check("controller: {law: operational_space, position: spherical, rows: [vx, vy]}"),
+       "needs the task rows vx, vy and vz");
+  says(check("controller: {law: operational_space, orientation: quaternion, gains: {damping: [1, 2, 3, 4, 5, "
+             "6]}}"),
+       "must be equal for wx, wy and wz");
+  says(check("controller: {law: operational_space, sampling: {period: 1, delay: both}}",
+             "base_motion: {type: circle}"),
+       "for a base at rest");
+  CHECK(check("controller: {law: operational_space, sampling: {period: 1, delay: both}}",
+              "base_motion: {type: hold}") == "(accepted)");
+}
+
+TEST_CASE("joints with several coordinates are counted by coordinate") {
+  auto arm = arm_with({"body", "elbow"});
+  arm.chain.links[0].type = JointType::floating;
+  const auto check = [&](const std::string& initial, const std::string& model = "model: {urdf: a, tip: t}") {
+    const Lines lines{.model = model, .initial = initial, .controller = "controller: {law: free}"};
+    return message([&] { check_against(parse(lines.text()), arm); });
+  };
+  CHECK(check("initial: {q: [1, 0, 0, 0, 0, 0, 0, 0.5]}") == "(accepted)");
+  CHECK(check("initial: {q: [1, 0]}") ==
+        "reach.yaml:2:14: initial.q has 2 entries, the chain has 8 position coordinates in its joints body "
+        "elbow.");
+  CHECK(check("initial: {q: [1, 0, 0, 0, 0, 0, 0, 0.5], qd: [1]}") ==
+        "reach.yaml:2:44: initial.qd has 1 entries, the chain has 7 velocity coordinates in its joints body "
+        "elbow.");
+  CHECK(check("initial: {q: [0, 0, 0, 0, 1, 1, 1, 0.5]}").find("which is no orientation") !=
+        std::string::npos);
+  CHECK(check("initial: {q: [1, 0, 0, 0, 0, 0, 0, 0.5]}",
+              "model: {urdf: a, tip: t, armature: [0, 0, 0, 0, 0, 1, 0]}")
+            .find("its armature must be 0") != std::string::npos);
 }
 
 /// The key, or a map on the way to it, is called unknown.

@@ -60,6 +60,11 @@ Bits bits_of(const Experiment& e) {
   add_all(bits, e.controller.stiffness);
   add_all(bits, e.controller.damping);
   add(bits, e.controller.null_space_damping);
+  if (const auto& sampling = e.controller.sampling) {
+    add(bits, sampling->period);
+    bits.push_back(static_cast<std::uint64_t>(sampling->monitor_every));
+  }
+  if (e.base_motion) std::visit(AddReference{bits}, *e.base_motion);
   add_all(bits, std::array{e.integrator.rtol, e.integrator.atol_position, e.integrator.atol_velocity,
                            e.integrator.max_step, e.duration, e.output.interval});
   for (const long x : {e.integrator.max_steps, e.verify.every, e.verify.record_every})
@@ -72,9 +77,14 @@ std::string words_of(const Experiment& e) {
   out << e.name << '|' << e.model.urdf << '|' << e.model.choice.base << '|' << e.model.choice.tip << '|'
       << static_cast<int>(e.model.choice.side_branches) << static_cast<int>(e.controller.law)
       << static_cast<int>(e.integrator.method) << static_cast<int>(e.verify.record) << e.verify.shadow
-      << e.controller.compensate_friction << '|' << e.expect.stop << '|';
+      << e.controller.compensate_friction << e.controller.compensate_tip_force
+      << static_cast<int>(e.controller.orientation) << static_cast<int>(e.controller.position) << '|'
+      << e.expect.stop << '|';
   for (const auto& id : e.expect.fails) out << id << ',';
   for (const int row : e.controller.rows) out << row << ',';
+  if (const auto& sampling = e.controller.sampling)
+    out << "sampled" << static_cast<int>(sampling->delay) << sampling->extrapolate;
+  if (e.base_motion) out << "base" << e.base_motion->index();
   if (const auto* circle = std::get_if<CircleOptions>(&e.reference)) out << circle->plane;
   if (const auto* points = std::get_if<WaypointsOptions>(&e.reference)) out << points->file;
   return out.str();
@@ -124,6 +134,15 @@ TEST_CASE("what to_yaml writes is read back bit for bit") {
   e.controller.rows = {5, 3, 0};
   e.controller.law = seed % 2 == 0 ? Law::free : Law::operational_space;
   e.controller.compensate_friction = seed % 2 == 0;
+  e.controller.compensate_tip_force = seed % 2 == 0;
+  e.controller.orientation = static_cast<OrientationCoordinates>(seed % 4);
+  e.controller.position = static_cast<PositionCoordinates>(seed % 3);
+  if (seed == 3) e.controller.sampling = Sampling{positive(), Delay::both, true, 1};
+  if (seed == 5) {
+    e.controller.law = Law::resolved_acceleration;
+    e.controller.sampling = Sampling{positive(), Delay::none, false, 7};
+  }
+  if (seed == 4) e.base_motion = LineOptions{Vector6::Constant(positive()), positive(), positive()};
   e.integrator = {Method::bdf, 1.0 / 3, positive(), positive(), positive(), 12345};
   e.verify.every = 3;
   e.verify.record = seed % 2 == 0 ? VerifyConfig::Record::worst : VerifyConfig::Record::every;
