@@ -25,6 +25,26 @@ const char* fate(LumpedLink::Why why) {
   return "";
 }
 
+const char* type_name(JointType type) {
+  switch (type) {
+    case JointType::revolute:
+      return "revolute";
+    case JointType::prismatic:
+      return "prismatic";
+    case JointType::cylindrical:
+      return "cylindrical";
+    case JointType::universal:
+      return "universal";
+    case JointType::planar:
+      return "planar";
+    case JointType::spherical:
+      return "spherical";
+    case JointType::floating:
+      return "floating";
+  }
+  return "";
+}
+
 }  // namespace
 
 Exit print_info(const std::filesystem::path& model, const ChainChoice& choice, std::ostream& out) {
@@ -42,11 +62,10 @@ Exit print_info(const std::filesystem::path& model, const ChainChoice& choice, s
     const bool turns = joint.type == JointType::revolute;
     total += link.mass;
     out << std::setw(2) << i + 1 << "  " << joint.name << ": "
-        << (joint.continuous ? "continuous"
-            : turns          ? "revolute"
-                             : "prismatic")
-        << ", axis " << link.axis.transpose() << ", carries " << joint.link << "\n      mass " << link.mass
-        << " kg, centre of mass " << link.com.transpose() << " m (with what is lumped into it)\n";
+        << (joint.continuous ? "continuous" : type_name(joint.type));
+    if (link.type != JointType::floating) out << ", axis " << link.axis.transpose();
+    out << ", carries " << joint.link << "\n      mass " << link.mass << " kg, centre of mass "
+        << link.com.transpose() << " m (with what is lumped into it)\n";
     if (joint.lower || joint.upper) {
       out << "      limits " << joint.lower.value_or(0) << " to " << joint.upper.value_or(0)
           << (turns ? " rad" : " m");

@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "cli/info.hpp"
+#include "cli/paper.hpp"
 #include "cli/terms.hpp"
 #include "experiment/arms.hpp"
 #include "experiment/provenance.hpp"
@@ -112,7 +113,7 @@ Exit check_one(const std::string& file, const std::vector<std::string>& sets) {
 
 int main(int argc, char** argv) {
 #ifdef OSCULATE_FAULTS
-  if (const char* name = std::getenv("OSCULATE_FAULT")) {
+  if (const char* name = std::getenv("OSCULATE_FAULT"); name && *name) {
     const auto found = std::find(fault_names.begin(), fault_names.end(), name);
     if (found == fault_names.end()) return std::cerr << "no fault is named " << name << "\n", 2;
     active_fault = static_cast<Fault>(found - fault_names.begin());
@@ -167,6 +168,16 @@ int main(int argc, char** argv) {
   CLI::App* info_command = app.add_subcommand("info", "links, joints, masses, what was lumped, warnings");
   chain_options(info_command, false);
 
+  PaperOptions paper_options;
+  CLI::App* paper_command =
+      app.add_subcommand("paper", "every equation of the paper, on an arm and over exact fractions");
+  chain_options(paper_command, false);
+  paper_command->add_option("--states", paper_options.states, "random states; default 100")
+      ->check(CLI::Range(1, 1000000));
+  paper_command->add_flag("--exact", paper_options.exact, "prove them over exact fractions too");
+  paper_command->add_option("--arms", paper_options.arms, "--exact: arms of each size; default 20")
+      ->check(CLI::Range(1, 10000));
+
   std::string damaged, repaired;
   bool force_recover = false;
   CLI::App* recover_command = app.add_subcommand("recover", "make a complete file of what a killed run left");
@@ -193,12 +204,17 @@ int main(int argc, char** argv) {
     }
   } else if (*check_command) {
     for (const auto& file : arguments.experiments) worst = graver(worst, check_one(file, arguments.sets));
-  } else if (*terms_command || *info_command) {
+  } else if (*terms_command || *info_command || *paper_command) {
     worst = guarded([&] {
       term.model = model;
       term.choice.side_branches = side_branches == "drop" ? SideBranches::drop : SideBranches::lump;
       if (!gravity.empty()) term.choice.gravity = parse_vector3(gravity, "--gravity");
       if (*info_command) return print_info(term.model, term.choice, std::cout);
+      if (*paper_command) {
+        paper_options.model = term.model;
+        paper_options.choice = term.choice;
+        return print_paper(paper_options, std::cout, std::cerr);
+      }
       if (term.q.empty() && states.empty()) throw ConfigError("terms: give --q or --states");
       if (!states.empty()) term.states = states;
       return terms(term, std::cout, std::cerr);
@@ -209,6 +225,11 @@ int main(int argc, char** argv) {
       return Exit::ok;
     });
   }
+#ifdef OSCULATE_FAULTS
+  if (active_fault != Fault::none)
+    std::cerr << "fault " << fault_names[static_cast<std::size_t>(active_fault)] << " executed "
+              << fault_executions << " times\n";
+#endif
   std::cout.flush();
   return static_cast<int>(std::cout ? worst : graver(worst, Exit::io_failure));
 }

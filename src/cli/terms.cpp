@@ -60,16 +60,18 @@ struct State {
 
 State make_state(const std::vector<double>& q, const std::vector<double>& qd, const std::vector<double>& u,
                  const TaskRows& rows, const ArmDescription& arm, const std::string& where) {
-  const auto n = static_cast<std::size_t>(arm.chain.n());
+  const auto np = static_cast<std::size_t>(arm.chain.positions());
+  const auto nv = static_cast<std::size_t>(arm.chain.velocities());
   const auto count = [&](const std::vector<double>& list, std::size_t wanted, const char* name,
                          const char* each) {
     if (list.size() != wanted)
       throw ConfigError(where + name + " has " + std::to_string(list.size()) + " entries, needs " +
                         std::to_string(wanted) + " (one for each " + each + ")");
   };
-  count(q, n, "q", "joint, base to tip");
-  State state{q, qd.empty() ? std::vector<double>(n, 0.0) : qd};
-  count(state.qd, n, "qd", "joint, base to tip");
+  const bool one_axis_joints = arm.chain.one_axis_joints();
+  count(q, np, "q", one_axis_joints ? "joint, base to tip" : "position coordinate, base to tip");
+  State state{q, qd.empty() ? std::vector<double>(nv, 0.0) : qd};
+  count(state.qd, nv, "qd", one_axis_joints ? "joint, base to tip" : "velocity coordinate, base to tip");
   if (!u.empty()) {
     count(u, rows.size(), "u", "task row");
     for (std::size_t i = 0; i < rows.size(); ++i) state.u[rows[i]] = u[i];
@@ -81,7 +83,8 @@ std::vector<State> read_states(const std::filesystem::path& file, const TaskRows
                                const ArmDescription& arm) {
   std::ifstream in(file);
   if (!in) throw ConfigError(file.string() + ": cannot be read: check the name and the permissions");
-  const auto n = static_cast<std::size_t>(arm.chain.n());
+  const auto np = static_cast<std::size_t>(arm.chain.positions());
+  const auto nv = static_cast<std::size_t>(arm.chain.velocities());
   std::vector<State> states;
   int number = 0;
   for (std::string line; std::getline(in, line);) {
@@ -92,16 +95,16 @@ std::vector<State> read_states(const std::filesystem::path& file, const TaskRows
     const std::string where = file.string() + ":" + std::to_string(number) + ": ";
     const std::vector<double> all = numbers(line, where + "state");
     const std::size_t m = rows.size();
-    if (all.size() != n && all.size() != 2 * n && all.size() != 2 * n + m)
-      throw ConfigError(where + "a state has " + std::to_string(n) + " numbers (q), " +
-                        std::to_string(2 * n) + " (q, qd) or " + std::to_string(2 * n + m) +
+    if (all.size() != np && all.size() != np + nv && all.size() != np + nv + m)
+      throw ConfigError(where + "a state has " + std::to_string(np) + " numbers (q), " +
+                        std::to_string(np + nv) + " (q, qd) or " + std::to_string(np + nv + m) +
                         " (q, qd, u), this line " + std::to_string(all.size()));
     const auto part = [&all](std::size_t from, std::size_t to) {
       return from < all.size() ? std::vector<double>(all.begin() + static_cast<std::ptrdiff_t>(from),
                                                      all.begin() + static_cast<std::ptrdiff_t>(to))
                                : std::vector<double>();
     };
-    states.push_back(make_state(part(0, n), part(n, 2 * n), part(2 * n, all.size()), rows, arm, where));
+    states.push_back(make_state(part(0, np), part(np, np + nv), part(np + nv, all.size()), rows, arm, where));
   }
   if (states.empty()) throw ConfigError(file.string() + ": no states in the file");
   return states;
@@ -148,8 +151,8 @@ Evaluation evaluate(const ArmDescription& arm, const State& state, const TaskRow
     out.warnings.push_back(
         "Omega has rank " + std::to_string(out.rank) + " of " + std::to_string(rows.size()) +
         ": Lambda, c, g, F, T and qdd do not exist" +
-        (arm.chain.n() < static_cast<int>(rows.size())
-             ? "; with " + std::to_string(arm.chain.n()) + " joints choose fewer rows with --rows"
+        (arm.chain.velocities() < static_cast<int>(rows.size())
+             ? "; with " + std::to_string(arm.chain.velocities()) + " joints choose fewer rows with --rows"
              : "; the arm is singular here"));
   return out;
 }
@@ -189,11 +192,7 @@ void write_json(Json& json, const ArmDescription& arm, const Evaluation& e, cons
   json.key("J").value(MatrixX<double>(v.task.J));
   json.key("Jdot_qd").value(v.task.Jdot_qd);
 
-  const auto m = static_cast<Eigen::Index>(rows.size());
-  MatrixX<double> Omega(m, m);
-  for (Eigen::Index i = 0; i < m; ++i)
-    for (Eigen::Index j = 0; j < m; ++j)
-      Omega(i, j) = v.recursive.Omega(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
+  const MatrixX<double> Omega = v.recursive.Omega(rows, rows);
   const auto nulls = [&json] {
     for (const char* key : {"Lambda", "c", "g", "F", "T", "qdd"}) json.key(key).null();
   };
@@ -269,11 +268,7 @@ void write_text(std::ostream& out, const ArmDescription& arm, const Evaluation& 
   out << "; base frame, about the tip point, SI units\n";
   row("tip", v.tip.p);
   out << "Omega (recursive)\n";
-  const auto m = static_cast<Eigen::Index>(rows.size());
-  MatrixX<double> Omega(m, m);
-  for (Eigen::Index i = 0; i < m; ++i)
-    for (Eigen::Index j = 0; j < m; ++j)
-      Omega(i, j) = v.recursive.Omega(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
+  const MatrixX<double> Omega = v.recursive.Omega(rows, rows);
   out << Omega.format(format) << "\n";
   if (e.regular()) {
     out << "Lambda (recursive)\n" << v.recursive.Lambda.format(format) << "\n";
