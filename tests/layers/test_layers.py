@@ -17,9 +17,10 @@ SEES = {
     "control": {"scalar", "spatial", "model", "recursion"},
     "simulation": {"scalar", "spatial", "model", "recursion", "control"},
     "verification": {"scalar", "spatial", "model", "recursion", "reference", "control", "simulation"},
+    "paper": {"scalar", "spatial", "model", "recursion", "reference"},
     "record": set(),
     "experiment": {"scalar", "model", "reference", "recursion", "control", "simulation", "verification", "record", "spatial"},
-    "cli": {"scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment"},
+    "cli": {"scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment", "paper"},
 }
 # The dense side must not see fault.hpp either: a seeded fault may change no bit of it.
 FORBIDDEN_FILES = {"reference": {"scalar/fault.hpp"}, "model": {"scalar/fault.hpp"}}
@@ -29,7 +30,8 @@ FENCES = {
     r"(urdf_|urdf/|console_bridge)": {"model/urdf.cpp"},
     r"yaml-cpp": {"experiment/yaml_parse.cpp"},
     r"CLI/": {"cli/main.cpp"},
-    r"boost/": {"scalar/rational.hpp"},
+    r"boost/": {"scalar/rational.hpp", "scalar/quad.hpp", "scalar/rational_product.hpp"},
+    r"quadmath": {"scalar/quad.hpp"},
 }
 
 
