@@ -9,103 +9,105 @@ struct PaperBound {
   double constant, worst;  // bound = constant * eps; largest residual / eps seen
   unsigned long seed;      // state in which it was seen
 };
-inline constexpr unsigned long measured_states = 20000;
+inline constexpr unsigned long measured_states = 100000;
+// clang-format off
 /// In the order of statements().
 inline constexpr std::array<PaperBound, 94> paper_bounds{{
-    {2.5, 0, 0},  // (18) E_phi^n = 0
-    {2.5, 0, 0},  // (19) phi(i,j)^-1 = phi(j,i)
-    {2.5, 0.498, 2043},  // (19) phi(i,l) phi(l,j) = phi(i,j)
-    {2.5, 0.25, 7292},  // (20) M(k) = phi(k,com) M_com phi*(k,com)
-    {2.5, 0.878, 10805},  // (23) phi (1 - E_phi) = 1
-    {2.5, 0.842, 7525},  // (24) P = E_psi P E_psi* + K Jm K* + M
-    {2.5, 0.83, 432},  // (25) D = H P H* + Jm
-    {2.5, 0.37, 18652},  // (26) G = P H* D^-1
-    {2.5, 0, 0},  // (27) K = E_phi G
-    {2.5, 0, 0},  // (28) E_psi = E_phi (1 - G H)
-    {5.41, 2.16, 904},  // (29) psi (1 - E_psi) = 1
-    {2.5, 0, 0},  // (29) E_psi^n = 0
-    {2.5, 0.83, 432},  // (30) D(k) = H(k) P(k) H*(k) + Jm(k)
-    {2.5, 0.951, 8001},  // (31) G(k) D(k) = P(k) H*(k)
-    {2.5, 0, 0},  // (32) K(k+1,k) = phi(k+1,k) G(k)
-    {2.5, 0, 0},  // (33) psi(k+1,k) = phi(k+1,k) (1 - G(k) H(k))
-    {2.5, 0.143, 13952},  // (34) W = E (1 - G H)
-    {2.84, 1.14, 14615},  // (35) psi(i,l) psi(l,j) = psi(i,j)
-    {2.5, 0.665, 9237},  // (36) phi has the blocks phi(i,j)
-    {2.5, 0, 0},  // (36) psi has the blocks psi(i,j)
-    {2.5, 0.934, 8859},  // (38) J* = H phi B
-    {2.58, 1.03, 15291},  // (40) V(0) = B* phi* (H* thd + E* V(n+1))
-    {2.5, 0.824, 5169},  // (40) V = phi* (H* thd + E* V(n+1))
-    {2.5, 0.832, 4624},  // (41) V = E_phi* V + H* thd + E* V(n+1)
-    {3.65, 1.46, 10259},  // (42) M = H phi M phi* H* + Jm
-    {2.5, 0.288, 6513},  // (43) C = H phi (M phi* a + b)
-    {3.06, 1.22, 16989},  // (44) G = H phi M phi* E* a_g
-    {2.54, 1.01, 5949},  // (45) C + G = H phi (M phi* (a + E* a_g) + b)
-    {3.49, 1.4, 2389},  // (46) Jdot thd = B* phi* a + a(0)
-    {3.85, 1.54, 17697},  // (47) b(k) = (w x I w; m w x (w x p))
-    {4.62, 1.85, 6869},  // (48) a(k) = (w' x s_w; w' x (w' x l) + 2 w' x s_v), w' = w(k+1), s = H* thd
-    {33.4, 13.4, 12276},  // (49) M = (1 + H phi K) D (1 + H phi K)*
-    {2.68, 1.07, 3657},  // (50) (1 + H phi K) (1 - H psi K) = 1
-    {5.15, 2.06, 10651},  // (51) M^-1 = (1 - H psi K)* D^-1 (1 - H psi K)
-    {4.79, 1.92, 3582},  // (52) phi K H psi = phi - psi
-    {4.76, 1.9, 3582},  // (52) psi K H phi = phi - psi
-    {4.94, 1.97, 3582},  // (53) (1 - H psi K) H phi = H psi
-    {77.7, 31.1, 12276},  // (54) psi M phi* = P + psi~ P + P phi~*
-    {2.5, 0, 0},  // (54) P + psi~ P = psi P
-    {2.5, 0.878, 10805},  // (55) phi~ = phi E_phi
-    {2.5, 0, 0},  // (55) phi~ = E_phi phi
-    {5.23, 2.09, 6035},  // (56) psi* H* D^-1 H psi = Omega + psi~* Omega + Omega psi~
-    {2.5, 0.869, 6867},  // (57) Omega = E_psi* Omega E_psi + H* D^-1 H
-    {8.7, 3.48, 534},  // (59) (1 - H* D^-1 H psi P) E* = W*
-    {6.45, 2.58, 7325},  // (60) J M^-1 J* = B* psi* H* D^-1 H psi B
-    {5.51, 2.2, 8367},  // (60) J M^-1 J* = B* Omega B
-    {92.7, 37.1, 10270},  // (61) Lambda(0) B* Omega B = 1
-    {2.5, 0.922, 1957},  // (62) Omega(0) c(0) = B* psi* H* D^-1 H psi (M phi* a + b) - B* phi* a - a(0)
-    {6.59, 2.64, 5246},  // (63) D^-1 H P phi~* = K* phi*
-    {75.5, 30.2, 6526},  // (63) psi* H* D^-1 H psi M phi* = psi* H* D^-1 H psi P + phi* - psi*
-    {2.5, 0.922, 1957},  // (64), (65) Omega(0) c(0) = B* psi* (H* D^-1 H psi (P a + b) - a) - a(0)
-    {5.3, 2.12, 897},  // (69) Omega(0) g(0) = B* psi* H* D^-1 H psi M phi* E* a_g
-    {13, 5.2, 1448},  // (70) Omega(0) g(0) = B* (phi* - psi* (1 - H* D^-1 H psi P)) E* a_g
-    {13, 5.19, 1448},  // (71), (72) Omega(0) g(0) = B* (phi* E* - psi* W*) a_g
-    {3.14, 1.26, 7492},  // section 4.3 Omega(0) (c(0) + g(0)) = B* psi* (H* D^-1 H psi (P a' + b) - a') - a(0) + a_g, a' = a + E* a_g
-    {5.49, 2.19, 10158},  // - H G = 1 - Jm D^-1
-    {4.19, 1.68, 10158},  // - H (1 - G H) = Jm D^-1 H
-    {2.5, 0.996, 9935},  // - psi(k+1,k) G(k) = K(k+1,k) Jm(k) D(k)^-1
-    {2.56, 1.02, 18263},  // - P(k) = P*(k)
-    {3.7, 1.48, 14533},  // - Omega(k) = Omega*(k)
-    {17.8, 7.13, 17663},  // (37) P(k) by recursion
-    {18.3, 7.33, 10963},  // (37) D(k) by recursion
-    {333, 133, 14140},  // (37) G(k) by recursion
-    {585, 234, 10054},  // (37) K(k+1,k) by recursion
-    {319, 128, 14140},  // (37) psi(k+1,k) by recursion
-    {296, 118, 17777},  // (37) psi(n+1,n) by recursion
-    {8.53, 3.41, 2385},  // (39) T = J* F
-    {7.83, 3.13, 17822},  // (41) V(k) by recursion
-    {16.6, 6.64, 4957},  // (41) V(0) = J thd
-    {4.13, 1.65, 10963},  // (47) b(k) of link k
-    {5.23, 2.09, 15411},  // (48) a(k) of joint k
-    {14.7, 5.87, 12746},  // (48) a(0)
-    {10.9, 4.35, 8237},  // (51) thdd = M^-1 (T - C - G + J* F)
-    {9.63, 3.85, 8237},  // (8) tip acceleration = J thdd + Jdot thd
-    {766, 306, 18495},  // (58) Omega(k) by recursion
-    {11.2, 4.49, 8237},  // (60) Omega(0) = J M^-1 J*
-    {6.67, 2.67, 12276},  // (66) z = psi (P a' + b), a' = a + E* a_g
-    {18.3, 7.33, 4487},  // (66) xi = H* D^-1 H z - a'
-    {18.3, 7.33, 4487},  // (67) eta = psi* xi
-    {733, 293, 4069},  // (68) eta(0) - a(0) = Omega(0) c(0)
-    {376, 150, 13404},  // (73) eta = psi* W* a_g
-    {3.83e+03, 1.53e+03, 8469},  // (74) phi*(1,0) (alpha(1) - eta(1)) = Omega(0) g(0)
-    {379, 152, 684},  // section 4.3 one pass, with + a_g at the tip: Omega(0) (c(0) + g(0))
-    {395, 158, 4117},  // (4), (16) T in four sweeps = J* Lambda (u + J M^-1 (C + G) - Jdot thd)
-    {8.71, 3.48, 2264},  // (13) the same with a null-space torque T0, in the same sweeps
-    {5.92, 2.37, 19334},  // (2) the same with a known wrench on the tip: z(0) = -F
-    {414, 166, 2149},  // section 2 the same on a base that moves as prescribed
-    {395, 158, 4117},  // section 2 the same through joints of any kind
-    {395, 158, 4117},  // section 2 the same by resolved acceleration
-    {9.16, 3.66, 3677},  // (37)-(68) the same in link frames
-    {9.16, 3.66, 3677},  // section 4.2 old velocity terms at a frozen state, third sample: the same
-    {9.16, 3.66, 3677},  // section 5 old F_c at a frozen state, third sample: the same
-    {9.16, 3.66, 3677},  // section 5 two sweeps at a frozen state, third sample: the same
-    {16.8, 6.7, 10963},  // - kinetic energy = thd* M thd / 2
+    {4, 0, 0},  // (18) E_phi^n = 0
+    {4, 0, 0},  // (19) phi(i,j)^-1 = phi(j,i)
+    {4, 0.5, 35584},  // (19) phi(i,l) phi(l,j) = phi(i,j)
+    {4, 0.25, 7292},  // (20) M(k) = phi(k,com) M_com phi*(k,com)
+    {4, 0.948, 66754},  // (23) phi (1 - E_phi) = 1
+    {4, 0.842, 7525},  // (24) P = E_psi P E_psi* + K Jm K* + M
+    {4.66, 1.16, 34525},  // (25) D = H P H* + Jm
+    {4, 0.536, 62451},  // (26) G = P H* D^-1
+    {4, 0, 0},  // (27) K = E_phi G
+    {4, 0, 0},  // (28) E_psi = E_phi (1 - G H)
+    {9.87, 2.47, 22804},  // (29) psi (1 - E_psi) = 1
+    {4, 0, 0},  // (29) E_psi^n = 0
+    {4.19, 1.05, 37829},  // (30) D(k) = H(k) P(k) H*(k) + Jm(k)
+    {4.11, 1.03, 53447},  // (31) G(k) D(k) = P(k) H*(k)
+    {4, 0, 0},  // (32) K(k+1,k) = phi(k+1,k) G(k)
+    {4, 0, 0},  // (33) psi(k+1,k) = phi(k+1,k) (1 - G(k) H(k))
+    {4, 0.289, 60388},  // (34) W = E (1 - G H)
+    {7.21, 1.8, 68022},  // (35) psi(i,l) psi(l,j) = psi(i,j)
+    {4, 0.88, 67455},  // (36) phi has the blocks phi(i,j)
+    {4, 0, 0},  // (36) psi has the blocks psi(i,j)
+    {4, 0.963, 81549},  // (38) J* = H phi B
+    {4.87, 1.22, 87081},  // (40) V(0) = B* phi* (H* thd + E* V(n+1))
+    {5.43, 1.36, 87081},  // (40) V = phi* (H* thd + E* V(n+1))
+    {4.5, 1.12, 87081},  // (41) V = E_phi* V + H* thd + E* V(n+1)
+    {6.17, 1.54, 72976},  // (42) M = H phi M phi* H* + Jm
+    {4, 0.32, 90289},  // (43) C = H phi (M phi* a + b)
+    {5.62, 1.41, 83255},  // (44) G = H phi M phi* E* a_g
+    {4.15, 1.04, 84115},  // (45) C + G = H phi (M phi* (a + E* a_g) + b)
+    {7.63, 1.91, 27406},  // (46) Jdot thd = B* phi* a + a(0)
+    {7.02, 1.76, 28702},  // (47) b(k) = (w x I w; m w x (w x p))
+    {9.19, 2.3, 70864},  // (48) a(k) = (w' x s_w; w' x (w' x l) + 2 w' x s_v), w' = w(k+1), s = H* thd
+    {85.5, 21.4, 22172},  // (49) M = (1 + H phi K) D (1 + H phi K)*
+    {4.3, 1.07, 3657},  // (50) (1 + H phi K) (1 - H psi K) = 1
+    {14.1, 3.52, 40403},  // (51) M^-1 = (1 - H psi K)* D^-1 (1 - H psi K)
+    {7.82, 1.95, 46433},  // (52) phi K H psi = phi - psi
+    {7.84, 1.96, 46433},  // (52) psi K H phi = phi - psi
+    {8.94, 2.23, 46433},  // (53) (1 - H psi K) H phi = H psi
+    {124, 31.1, 12276},  // (54) psi M phi* = P + psi~ P + P phi~*
+    {4, 0, 0},  // (54) P + psi~ P = psi P
+    {4, 0.971, 20132},  // (55) phi~ = phi E_phi
+    {4, 0, 0},  // (55) phi~ = E_phi phi
+    {10.7, 2.66, 33344},  // (56) psi* H* D^-1 H psi = Omega + psi~* Omega + Omega psi~
+    {4, 0.883, 31334},  // (57) Omega = E_psi* Omega E_psi + H* D^-1 H
+    {17.6, 4.4, 61035},  // (59) (1 - H* D^-1 H psi P) E* = W*
+    {11.7, 2.91, 60764},  // (60) J M^-1 J* = B* psi* H* D^-1 H psi B
+    {11.6, 2.9, 80872},  // (60) J M^-1 J* = B* Omega B
+    {148, 37.1, 10270},  // (61) Lambda(0) B* Omega B = 1
+    {4, 0.925, 71589},  // (62) Omega(0) c(0) = B* psi* H* D^-1 H psi (M phi* a + b) - B* phi* a - a(0)
+    {15.8, 3.96, 47347},  // (63) D^-1 H P phi~* = K* phi*
+    {121, 30.2, 6526},  // (63) psi* H* D^-1 H psi M phi* = psi* H* D^-1 H psi P + phi* - psi*
+    {4, 0.925, 71589},  // (64), (65) Omega(0) c(0) = B* psi* (H* D^-1 H psi (P a + b) - a) - a(0)
+    {8.74, 2.18, 45334},  // (69) Omega(0) g(0) = B* psi* H* D^-1 H psi M phi* E* a_g
+    {30.3, 7.57, 97606},  // (70) Omega(0) g(0) = B* (phi* - psi* (1 - H* D^-1 H psi P)) E* a_g
+    {30.3, 7.57, 97606},  // (71), (72) Omega(0) g(0) = B* (phi* E* - psi* W*) a_g
+    {5.56, 1.39, 37619},  // section 4.3 Omega(0) (c(0) + g(0)) = B* psi* (H* D^-1 H psi (P a' + b) - a') - a(0) + a_g, a' = a + E* a_g
+    {15.7, 3.91, 50762},  // - H G = 1 - Jm D^-1
+    {12.1, 3.01, 50762},  // - H (1 - G H) = Jm D^-1 H
+    {4.91, 1.23, 59022},  // - psi(k+1,k) G(k) = K(k+1,k) Jm(k) D(k)^-1
+    {4.84, 1.21, 35922},  // - P(k) = P*(k)
+    {6.64, 1.66, 59542},  // - Omega(k) = Omega*(k)
+    {80.6, 20.1, 86055},  // (37) P(k) by recursion
+    {57.5, 14.4, 86055},  // (37) D(k) by recursion
+    {658, 164, 51212},  // (37) G(k) by recursion
+    {3.25e+03, 812, 56877},  // (37) K(k+1,k) by recursion
+    {838, 209, 41498},  // (37) psi(k+1,k) by recursion
+    {5.47e+03, 1.37e+03, 23721},  // (37) psi(n+1,n) by recursion
+    {30.8, 7.69, 87590},  // (39) T = J* F
+    {12.5, 3.13, 17822},  // (41) V(k) by recursion
+    {36.7, 9.18, 48187},  // (41) V(0) = J thd
+    {10.6, 2.64, 67576},  // (47) b(k) of link k
+    {10.2, 2.55, 30526},  // (48) a(k) of joint k
+    {26, 6.49, 45325},  // (48) a(0)
+    {30.4, 7.6, 27676},  // (51) thdd = M^-1 (T - C - G + J* F)
+    {18.9, 4.71, 31011},  // (8) tip acceleration = J thdd + Jdot thd
+    {6.35e+03, 1.59e+03, 83300},  // (58) Omega(k) by recursion
+    {18.9, 4.74, 27676},  // (60) Omega(0) = J M^-1 J*
+    {28.5, 7.14, 61977},  // (66) z = psi (P a' + b), a' = a + E* a_g
+    {127, 31.8, 41625},  // (66) xi = H* D^-1 H z - a'
+    {127, 31.8, 41625},  // (67) eta = psi* xi
+    {8.39e+03, 2.1e+03, 75600},  // (68) eta(0) - a(0) = Omega(0) c(0)
+    {4.94e+03, 1.23e+03, 23721},  // (73) eta = psi* W* a_g
+    {88, 22, 92762},  // (74) phi*(1,0) (alpha(1) - eta(1)) = Omega(0) g(0)
+    {69, 17.3, 34545},  // section 4.3 one pass, with + a_g at the tip: Omega(0) (c(0) + g(0))
+    {632, 158, 4117},  // (4), (16) T in four sweeps = J* Lambda (u + J M^-1 (C + G) - Jdot thd)
+    {238, 59.5, 97830},  // (13) the same with a null-space torque T0, in the same sweeps
+    {29.7, 7.44, 36946},  // (2) the same with a known wrench on the tip: z(0) = -F
+    {662, 166, 2149},  // section 2 the same on a base that moves as prescribed
+    {632, 158, 4117},  // section 2 the same through joints of any kind
+    {632, 158, 4117},  // section 2 the same by resolved acceleration
+    {258, 64.5, 97830},  // (37)-(68) the same in link frames
+    {258, 64.5, 97830},  // section 4.2 old velocity terms at a frozen state, third sample: the same
+    {258, 64.5, 97830},  // section 5 old F_c at a frozen state, third sample: the same
+    {258, 64.5, 97830},  // section 5 two sweeps at a frozen state, third sample: the same
+    {27.2, 6.8, 77324},  // - kinetic energy = thd* M thd / 2
 }};
+// clang-format on
 
 }  // namespace osculate::paper

@@ -11,7 +11,8 @@ namespace osculate::paper {
 
 namespace {
 
-// Task rows whose pivot of Omega falls below this fraction of the largest of their kind are left out of the task.
+// Task rows whose pivot of Omega falls below this fraction of the largest of their kind are left out of the
+// task.
 constexpr double row_floor = 1e-6;
 
 }  // namespace

@@ -250,6 +250,11 @@ Residuals assess(const Evidence& e) {
   const Vector reached = e.tip_acceleration(e.rows);
   const Vector reach_scale =
       d * d.dot(F.cwiseAbs()) + right;  // rounding in Omega(i,j) is relative to d_i d_j
+  // Where the condition of Omega leaves no digit of F, (5) says nothing: undecided, as the torque is.
+  if (!(at(Claim::torque).bound <= undecided_bound)) {
+    at(Claim::linearization) = {0, at(Claim::torque).bound, true};
+    return out;
+  }
   at(Claim::linearization) =
       bounded(Claim::linearization, weighted(reached, e.u, reach_scale, d.cwiseInverse()), spread_of_Omega);
   if (e.chart) at(Claim::coordinates) = coordinates(e, reach_scale, spread_of_Omega);

@@ -80,7 +80,7 @@ class TrajectoryClaims {
   };
   /// The instant with the largest ratio, for each power of ten of the energy moved until then.
   std::map<int, Imbalance> worst_imbalance_;
-  double widest_bound_ = 0;                        // J
+  double widest_bound_ = 0;  // J
   long energy_steps_ = 0;
   double worst_position_ = 0, worst_orientation_ = 0;
 };

@@ -253,7 +253,7 @@ TEST_CASE("joints with several coordinates are counted by coordinate") {
         "reach.yaml:2:14: initial.q has 2 entries, the chain has 8 position coordinates in its joints body "
         "elbow.");
   CHECK(check("initial: {q: [1, 0, 0, 0, 0, 0, 0, 0.5], qd: [1]}") ==
-        "reach.yaml:2:44: initial.qd has 1 entries, the chain has 7 velocity coordinates in its joints body "
+        "reach.yaml:2:46: initial.qd has 1 entries, the chain has 7 velocity coordinates in its joints body "
         "elbow.");
   CHECK(check("initial: {q: [0, 0, 0, 0, 1, 1, 1, 0.5]}").find("which is no orientation") !=
         std::string::npos);
