@@ -43,14 +43,17 @@ std::vector<double> residuals(const Chain<double>& chain, const VectorX<double>&
   const auto joints = positions(chain, std::span<const double>(q.data(), static_cast<std::size_t>(q.size())));
   const Trial<double> t = trial(question(chain, joints, qd, seed, row_floor));
   constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+  // A residual that is not a number is worse than any.
+  const auto judged = [](const Sides<double>& sides) {
+    const double value = dense::residual(sides);
+    return std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
+  };
   std::vector<double> out;
   for (const auto& identity : dense::identities<double>())
-    out.push_back(identity.regular_tip && t.ask.rows.size() < 6 ? missing
-                                                                : dense::residual(identity.sides(t.x)));
+    out.push_back(identity.regular_tip && t.ask.rows.size() < 6 ? missing : judged(identity.sides(t.x)));
   for (const auto& recursion : recursions<double>())
-    out.push_back(recursion.square && t.swept.torque.resolved.size() == 0
-                      ? missing
-                      : dense::residual(recursion.sides(t)));
+    out.push_back(recursion.square && t.swept.torque.resolved.size() == 0 ? missing
+                                                                          : judged(recursion.sides(t)));
   return out;
 }
 

@@ -26,9 +26,6 @@ TESTS = {
         "proof": "over exact fractions every identity and every recursion holds, and every printed error shows",
         "bounds": "on the shipped arms every statement stays within its bound",
     },
-    "tests/reference/operators_rounding.cpp": {
-        "rounding": "over doubles every identity holds to a few eps of the terms it sums",
-    },
     "tests/recursion/exact.cpp": {
         "sweeps": "the four sweeps are the definitions: Omega, Lambda, c, g, c + g, F, T",
         "plant": "the operator inverse of the mass matrix is M^-1: joint and tip accelerations, energies",
@@ -317,7 +314,7 @@ def numbers(equation):
 def map_rows():
     """Numbered rows in order, rows in words, rows without a place: equation, statement, file, function, tests."""
     numbered, words, others = [(n, *row) for n, *row in BY_HAND], list(IN_WORDS), []
-    for found, tests in ((recursions(), "proof, bounds"), (identities(), "proof, bounds, rounding")):
+    for found, tests in ((recursions(), "proof, bounds"), (identities(), "proof, bounds")):
         for equation, *row in found:
             numbered += [(n, *row, tests) for n in numbers(equation)]
             if equation == "-":

@@ -4,6 +4,7 @@
 //   paper_study --check COUNT                COUNT states from seed 1000001, which no study sees; exit code 1
 //   if
 //                                            a statement is above its bound
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -137,6 +138,12 @@ int main(int argc, char** argv) {
   }
   const std::uint64_t count = std::strtoull(argv[1], nullptr, 10);
   const Table table = study(1, count);
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (!std::isfinite(table[i].ratio)) {
+      std::cerr << "paper_study: " << paper::statements()[i].statement << ": not a finite residual, seed "
+                << table[i].seed << "; nothing written\n";
+      return 1;
+    }
   std::ofstream header(argv[2]);
   write_header(table, count, header);
   for (std::size_t i = 0; i < table.size(); ++i)

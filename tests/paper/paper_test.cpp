@@ -70,3 +70,11 @@ TEST_CASE("the measured constants are not loose: a sample comes within a factor 
     near += row.bound > 0 && row.worst * 20 >= row.bound;  // bound = 4 times the worst seen
   CHECK(near * 3 >= static_cast<int>(rows.size()));
 }
+
+TEST_CASE("a residual that is not a number is within no bound") {
+  Chain<double> chain = shipped("planar_2r", "tip").chain;
+  chain.links[0].mass = std::nan("");
+  int failed = 0;
+  for (const auto& row : paper::check(chain, 1)) failed += row.judged > 0 && !row.pass();
+  CHECK(failed > 20);
+}
