@@ -54,25 +54,29 @@ class Residual:
         return self.judged & ~self.undecided & ~(self.values <= self.bounds)
 
 
-class Result:
-    """An open result file. Use as a context manager. Also opens what a killed or running run has left so far.
+class Stored:
+    """An open file of osculate. Use as a context manager. Also opens what a killed or running program has left so far.
 
     Rows along /time and /step are cut to the length of the axis: a running program writes the axis last.
     Raises NotAResult with a message that names the file.
     """
 
+    maker = "`osculate run` or `osculate sweep`"
+    required = ()
+    kind = "file"
+
     def __init__(self, path):
         self.path = Path(path)
         if not self.path.is_file():
-            raise NotAResult(f"{self.path}: no such file. Give a result file made by `osculate run`.")
+            raise NotAResult(f"{self.path}: no such file. Give a result file made by {self.maker}.")
         self.file = self._open()
-        missing = [name for name in ("time", "step", "step_time") if name not in self.file]
+        missing = [name for name in self.required if name not in self.file]
         missing += [f"attribute {name}" for name in ("title", "status") if name not in self.file.attrs]
         if missing:
             self.close()
             raise NotAResult(
                 f"{self.path}: HDF5, but not a result file of osculate: it has no {', '.join(missing)}. "
-                "Give a file made by `osculate run`."
+                f"Give a file made by {self.maker}."
             )
 
     def _open(self):
@@ -83,7 +87,7 @@ class Result:
                 return h5py.File(self.path, "r", libver="latest", swmr=True)
             except OSError:
                 raise NotAResult(
-                    f"{self.path}: cannot be read as HDF5 ({first}). Give a result file made by `osculate run`."
+                    f"{self.path}: cannot be read as HDF5 ({first}). Give a result file made by {self.maker}."
                 ) from None
 
     def close(self):
@@ -150,6 +154,14 @@ class Result:
         """pass, fail or as_expected; None if the run was not finished"""
         return _text(self.file.attrs.get("verdict"))
 
+
+class Result(Stored):
+    """The file of one run."""
+
+    maker = "`osculate run`"
+    required = ("time", "step", "step_time")
+    kind = "run"
+
     @property
     def task_rows(self):
         """Names of the rows that the task controls."""
@@ -172,6 +184,26 @@ class Result:
         return [
             Residual(name, self.read(f"verification/{name}"), self.read(f"verification/{name}_bound")) for name in order
         ]
+
+
+class Sweep(Stored):
+    """The file of a sweep: one number for each variant."""
+
+    maker = "`osculate sweep`"
+    required = ("variant", "changes")
+    kind = "sweep"
+
+    @property
+    def key(self):
+        """The key path that changes from variant to variant; empty where more than one may."""
+        return self.read("provenance/swept_key") if "provenance/swept_key" in self.file else ""
+
+
+def open_result(path):
+    """A Result or a Sweep, by what is in the file. Raises NotAResult."""
+    with Stored(path) as stored:
+        kind = Sweep if "variant" in stored and "time" not in stored else Result
+    return kind(path)
 
 
 def _text(value):

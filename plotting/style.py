@@ -34,6 +34,10 @@ SETTINGS = {
 matplotlib.rcParams.update(SETTINGS)
 
 
+class NotApplicable(Exception):
+    """There is nothing that the figure could show. The message says why, in half a sentence."""
+
+
 def unit_text(unit):
     """A unit as it is printed: rad/s^2 becomes rad/s²."""
     return unit.replace("^2", "²")
@@ -48,7 +52,8 @@ def outcome(result):
     verdict = {None: "no verdict", "as_expected": "verdict as expected"}.get(result.verdict, f"verdict {result.verdict}")
     if result.status == "complete":
         return verdict
-    return f"{'unfinished run' if result.status == 'running' else 'run ' + result.status}, {verdict}"
+    what = result.kind
+    return f"{f'unfinished {what}' if result.status == 'running' else f'{what} {result.status}'}, {verdict}"
 
 
 def new_figure(result, what, size):
@@ -77,6 +82,13 @@ def new_grid(result, what, shape, panel, gap, footer=0.0):
     return figure, grid
 
 
+def require(result, *names):
+    """Leaves the figure out where a variable is absent that runs and sweeps have had since they measure it."""
+    absent = [name for name in names if name not in result]
+    if absent:
+        raise NotApplicable(f"the file has no /{absent[0]}: the {result.kind} did not measure it")
+
+
 def legend_above(axes, columns=4):
     """A legend over the panel, where it covers no data."""
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncol=columns, borderaxespad=0.2, handlelength=1.6, columnspacing=1.2)
@@ -85,6 +97,19 @@ def legend_above(axes, columns=4):
 def note(axes, text):
     """A remark in the middle of a panel that has nothing to draw."""
     axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", color=GREY)
+
+
+def spans(times, holds, start=0.0):
+    """Where a condition holds that was found at the ends of steps: pairs (from, to), neighbours joined."""
+    edges = np.concatenate([[start], times])
+    changes = np.flatnonzero(np.diff(np.concatenate([[False], np.asarray(holds, dtype=bool), [False]])))
+    return [(edges[first], edges[last]) for first, last in zip(changes[::2], changes[1::2])]
+
+
+def shade(axes, where, colour, text):
+    """Shades spans along x, behind everything; `text` names them once in the legend."""
+    for i, (first, last) in enumerate(where):
+        axes.axvspan(first, last, color=colour, alpha=0.3, linewidth=0, zorder=0, label=text if i == 0 else None)
 
 
 def marker_for(values):

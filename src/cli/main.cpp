@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <iostream>
+#include <set>
 
 #include "cli/info.hpp"
 #include "cli/paper.hpp"
@@ -12,6 +13,7 @@
 #include "experiment/arms.hpp"
 #include "experiment/provenance.hpp"
 #include "experiment/run.hpp"
+#include "experiment/sweep.hpp"
 #include "record/result_file.hpp"
 #ifdef OSCULATE_FAULTS
 #include <cstdlib>
@@ -39,8 +41,7 @@ Exit graver(Exit a, Exit b) { return static_cast<int>(a) > static_cast<int>(b) ?
 void show_progress(double t, double duration, double wall) {
   const double speed = wall > 0 ? t / wall : 0;
   const double left = speed > 0 ? (duration - t) / speed : 0;
-  std::fprintf(stderr, "\r%.2f of %.2f s, %.1f times real time, %.0f s left \033[K", t, duration, speed,
-               left);
+  std::fprintf(stderr, "%.2f of %.2f s, %.1f times real time, %.0f s left \033[K", t, duration, speed, left);
 }
 
 void end_progress(bool shown) {
@@ -88,7 +89,11 @@ Exit run_one(const std::string& file, const RunArguments& arguments, bool record
     options.command = command;
     options.signal = &caught_signal;
     const bool progress = !arguments.quiet && isatty(STDERR_FILENO);
-    if (progress) options.progress = show_progress;
+    if (progress)
+      options.progress = [](double t, double duration, double wall) {
+        std::fprintf(stderr, "\r");
+        show_progress(t, duration, wall);
+      };
     const RunResult result = run(experiment, options);
     end_progress(progress);
     for (const auto& warning : result.warnings) std::cerr << "warning: " << warning << "\n";
@@ -96,6 +101,33 @@ Exit run_one(const std::string& file, const RunArguments& arguments, bool record
     if (record) std::cout << "recorded in " << options.output->string() << "\n";
     if (result.exit != Exit::ok && !result.message.empty())
       std::cerr << "osculate: " << result.message << "\n";
+    return result.exit;
+  });
+}
+
+Exit sweep_one(const std::string& file, const RunArguments& arguments, const std::string& command) {
+  return guarded([&] {
+    SweepOptions options;
+    if (!arguments.output.empty()) options.output = arguments.output;
+    options.force = arguments.force;
+    options.command = command;
+    options.signal = &caught_signal;
+    const bool progress = !arguments.quiet && isatty(STDERR_FILENO);
+    if (progress)
+      options.progress = [](const std::string& label, double t, double duration, double wall) {
+        std::fprintf(stderr, "\r%s: ", label.c_str());
+        show_progress(t, duration, wall);
+      };
+    const SweepResult result = sweep(file, arguments.sets, options);
+    end_progress(progress);
+    std::set<std::string> warned;  // variants mostly share their warnings
+    for (const auto& run : result.runs)
+      for (const auto& warning : run.warnings)
+        if (warned.insert(warning).second) std::cerr << "warning: " << warning << "\n";
+    std::cout << report(result);
+    if (options.output) std::cout << "recorded in " << options.output->string() << "\n";
+    if (result.exit == Exit::interrupted || result.exit == Exit::terminated)
+      std::cerr << "osculate: interrupted: the table has the variants before that\n";
     return result.exit;
   });
 }
@@ -140,6 +172,13 @@ int main(int argc, char** argv) {
   CLI::App* verify_command = app.add_subcommand("verify", "run experiments, record nothing but the verdict");
   verify_command->add_option("experiments", arguments.experiments, "EXPERIMENT.yaml ...")->required();
   common(verify_command);
+  CLI::App* sweep_command = app.add_subcommand("sweep", "run each variant of an experiment, compare them");
+  sweep_command->add_option("experiment", arguments.experiments, "EXPERIMENT.yaml with a section sweep")
+      ->required()
+      ->expected(1);
+  sweep_command->add_option("-o,--output", arguments.output, "result file; default: none");
+  sweep_command->add_flag("--force", arguments.force, "overwrite an existing result file");
+  common(sweep_command);
   CLI::App* check_command = app.add_subcommand("check", "read and validate everything, run nothing");
   check_command->add_option("experiments", arguments.experiments, "EXPERIMENT.yaml ...")->required();
   common(check_command);
@@ -202,6 +241,8 @@ int main(int argc, char** argv) {
       worst = graver(worst, run_one(file, arguments, static_cast<bool>(*run_command), command));
       if (caught_signal != 0) break;
     }
+  } else if (*sweep_command) {
+    worst = sweep_one(arguments.experiments.front(), arguments, command);
   } else if (*check_command) {
     for (const auto& file : arguments.experiments) worst = graver(worst, check_one(file, arguments.sets));
   } else if (*terms_command || *info_command || *paper_command) {

@@ -132,7 +132,9 @@ Evaluation evaluate(const ArmDescription& arm, const State& state, const TaskRow
     options.rows = rows;
     options.constant_command = state.u;
     Controller controller(chain, {}, options, make_path(HoldOptions{}), tip_pose(chain, state.q));
-    ClosedLoop loop(std::move(controller), Plant{chain, {}, Vector6::Zero()});
+    Plant plant;
+    plant.chain = chain;
+    ClosedLoop loop(std::move(controller), std::move(plant));
     return gather(loop, 0, y);
   };
   Evaluation out;

@@ -1,6 +1,8 @@
 #include "control/law.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <limits>
 #include <string>
 
@@ -33,9 +35,10 @@ Pose tip_of(const Sweeps& sweeps) {
 
 constexpr const char* row_names[] = {"wx", "wy", "wz", "vx", "vy", "vz"};
 
-[[noreturn]] void singular(double t, const std::string& which) {
-  throw SingularTask("the arm is singular at t = " + std::to_string(t) + " s: " + which);
+std::string singular_text(double t, const std::string& which) {
+  return "the arm is singular at t = " + std::to_string(t) + " s: " + which;
 }
+[[noreturn]] void singular(double t, const std::string& which) { throw SingularArm(singular_text(t, which)); }
 
 /// First task row that depends on the rows before it, or -1.
 int lost_row(const TaskFactor<double>& factor, const Compliance<double>& Omega, const TaskRows& rows) {
@@ -82,7 +85,6 @@ Controller::Controller(const Chain<double>& model, std::vector<JointFriction> fr
       joints_(model.links.size()),
       T0_(static_cast<std::size_t>(model.velocities()), 0.0),
       rigid_torque_(static_cast<std::size_t>(model.velocities()), 0.0) {
-  for (int i = 0; i < 6; ++i) component(known_tip_force_, i) = options_.known_tip_force[i];
   if (options_.law == Law::resolved_acceleration)
     resolved_ = for_chain<Resolved>(model);
   else if (options_.law == Law::operational_space && options_.sampling)
@@ -93,7 +95,7 @@ void Controller::begin(double t, std::span<const double> q, std::span<const doub
   set_positions(model_, q, joints_);
   if (options_.base_path) base_ = base_motion(options_.base_path.get(), t);
   if (options_.law == Law::resolved_acceleration) return;  // a square task has no null space
-  for (std::size_t i = 0; i < T0_.size(); ++i) T0_[i] = -options_.null_space_damping * qd[i];
+  osculate::null_space_torque(options_.null_space, model_, options_.rows, q, qd, T0_);
 }
 
 template <class Sweeps>
@@ -101,53 +103,39 @@ void Controller::see_tip(const Sweeps& sweeps, double t) {
   command_.tip = tip_of(sweeps);
   command_.tip_velocity = to_vector6(sweeps.tip_velocity());
   command_.reference = tip_reference(*path_, initial_, t);
-  command_.error = pose_error(command_.reference, command_.tip, command_.tip_velocity);
+  command_.error = pose_error(followed(), command_.tip, command_.tip_velocity);
 }
 
-void Controller::decide() {
-  if (options_.constant_command) {
-    command_.u = *options_.constant_command;
-    return;
-  }
-  const auto& [e, ed] = command_.error;
-  const Vector6 edd = seeded(Fault::law_damping, Vector6(-options_.damping.cwiseProduct(ed))) -
-                      options_.stiffness.cwiseProduct(e);
-  TipReference reference = command_.reference;
-  reference.acceleration = seeded(Fault::reference_acceleration, reference.acceleration);
-  command_.u = pose_command(reference, command_.tip, command_.tip_velocity, command_.error, edd);
-  if (!chart_) return;
-
-  // u = Pi v + Pi. yd (1), on the part that the chart covers
-  const Coordinates y = chart_->coordinates(command_.tip);
-  const Coordinates yd = chart_->rates(y, command_.tip_velocity);
-  Coordinates K(chart_->size()), D(chart_->size());
-  const int turning = chart_->orientation_size();
-  for (int i = 0; i < chart_->size(); ++i) {
-    // A quaternion's four coordinates share the first gain.
-    const int row = i >= turning ? 3 + i - turning : turning == 4 ? 0 : i;
-    K[i] = options_.stiffness[row];
-    D[i] = options_.damping[row];
-  }
-  const Coordinates v = tracking_acceleration(chart_->motion(reference, y), y, yd, K, D);
-  const Vector6 u = seeded(Fault::coordinate_map, chart_->velocity(y, v)) +
-                    seeded(Fault::coordinate_rate, chart_->bias(y, yd));
-  if (chart_->orientation()) command_.u.head<3>() = u.head<3>();
-  if (chart_->position()) command_.u.tail<3>() = u.tail<3>();
-  command_.y = y;
-  command_.v = chart_->attainable(y, yd, v);
+std::string Controller::singular_message(double t, const Compliance<double>& Omega) const {
+  const SingularTask task(options_.singularity, Omega, options_.rows);
+  char size[32];
+  std::snprintf(size, sizeof size, "%.2e", task.eigenvalues()[0]);
+  const int row = options_.rows[static_cast<std::size_t>(task.weakest_row())];
+  return singular_text(t, std::string("it is about to lose task row ") + row_names[row] +
+                              ", smallest scaled eigenvalue of Omega " + size +
+                              "; controller.singularity.policy can be damped, truncated or released");
 }
 
 template <class Sweeps>
-Vec<Force, double> Controller::tip_force(const Sweeps& sweeps, double t) const {
+Vec<Force, double> Controller::tip_force(const Sweeps& sweeps, double t) {
   const auto& Omega = sweeps.Omega();
-  const TaskFactor<double> factor(Omega, options_.rows);
-  if (const int row = lost_row(factor, Omega, options_.rows); row >= 0)
-    singular(t, std::string("task row ") + row_names[row] + " depends on the rows before it");
+  const SingularityOptions& singularity = options_.singularity;
   TaskVector<double> right = restricted(sweeps.right_side(), options_.rows);
   for (std::size_t i = 0; i < options_.rows.size(); ++i)
     right[i] += seeded(Fault::law_command, command_.u[options_.rows[i]]);
   TaskRows rows = options_.rows;
   if (faulty(Fault::law_rows) && rows.size() > 1) std::swap(rows[rows.size() - 2], rows.back());
+
+  measure_ = smooth_measure(Omega, options_.rows);  // at most the smallest eigenvalue
+  command_.filtered = false;
+  if (singularity.policy != SingularPolicy::none && measure_ < singularity.threshold) {
+    const SingularTask task(singularity, Omega, options_.rows, truncated_);
+    command_.filtered = task.active();
+    if (task.active()) return wrench(task.solve(right), rows);
+  }
+  const TaskFactor<double> factor(Omega, options_.rows);
+  if (const int row = lost_row(factor, Omega, options_.rows); row >= 0)
+    singular(t, std::string("task row ") + row_names[row] + " depends on the rows before it");
   return wrench(factor.solve(right), rows);  // (4): one solve on u + right side
 }
 
@@ -157,7 +145,7 @@ void Controller::operational_space(double t, std::span<const double> qd) {
         [&](auto& space) {
           const long before = space.sweeps();
           space.place(joints_);
-          space.sweep(qd, T0_, known_tip_force_);  // sweeps 1, 2, 3
+          space.sweep(qd, T0_, known_push_);  // sweeps 1, 2, 3
           see_tip(space, t);
           decide();
           const Vec<Force, double> F_c = tip_force(space, t);
@@ -174,7 +162,7 @@ void Controller::operational_space(double t, std::span<const double> qd) {
         const long before = space.sweeps();
         if (options_.base_path) space.move_base(base_);
         space.place(joints_);
-        space.begin_sample(sampling.delay, sampling.extrapolate, qd, T0_, known_tip_force_);
+        space.begin_sample(sampling.delay, sampling.extrapolate, qd, T0_, known_push_);
         see_tip(space, t);
         decide();
         const Vec<Force, double> F_c = tip_force(space, t);
@@ -197,12 +185,33 @@ void Controller::resolved_acceleration(double t, std::span<const double> qd) {
         TaskVector<double> u{};
         for (std::size_t i = 0; i < options_.rows.size(); ++i)
           u[i] = seeded(Fault::law_command, command_.u[options_.rows[i]]);
-        if (!resolved.torques(u, options_.rows, known_tip_force_, pivot_floor, rigid_torque_))
+        if (!resolved.torques(u, options_.rows, known_push_, pivot_floor, rigid_torque_))
           singular(t, "the Jacobian of the task rows has no inverse");
         sweeps_ = resolved.sweeps() - before;
       },
       *resolved_);
   command_.F.setConstant(std::numeric_limits<double>::quiet_NaN());  // no F_c is formed
+}
+
+void Controller::textbook(double t, std::span<const double> qd) {
+  sweep_exactly(qd);  // for the tip, and to be compared
+  std::visit([&](auto& space) { see_tip(space, t); }, space_);
+  decide();
+  std::array<double, 6> u{};
+  for (std::size_t i = 0; i < options_.rows.size(); ++i) u[i] = command_.u[options_.rows[i]];
+  if (!textbook_torque(options_.textbook, model_, joints_, base_, qd, options_.rows,
+                       {u.data(), options_.rows.size()}, T0_, known_push_, options_.constant_inertia,
+                       rigid_torque_))
+    singular(t, "the task rows depend on each other");
+  command_.F.setConstant(std::numeric_limits<double>::quiet_NaN());
+}
+
+const Compliance<double>& Controller::compliance(double t, std::span<const double> q,
+                                                 std::span<const double> qd) {
+  set_positions(model_, q, joints_);
+  if (options_.base_path) base_ = base_motion(options_.base_path.get(), t);
+  sweep_exactly(qd);
+  return std::visit([](const auto& space) -> const Compliance<double>& { return space.Omega(); }, space_);
 }
 
 void Controller::sweep_exactly(std::span<const double> qd) {
@@ -215,8 +224,15 @@ void Controller::sweep_exactly(std::span<const double> qd) {
       space_);
 }
 
-const Command& Controller::torque(double t, std::span<const double> q, std::span<const double> qd,
-                                  std::span<double> T) {
+const Command& Controller::torque(double t, std::span<const double> q_true, std::span<const double> qd_true,
+                                  std::span<double> T, const Vector6& tip_force) {
+  sense(q_true, qd_true);
+  const std::span<const double> q{known_q_}, qd{known_qd_};
+  if (options_.know_tip_force) {
+    known_tip_force_ = tip_force;
+    for (int i = 0; i < 6; ++i) component(known_push_, i) = tip_force[i];
+  }
+  measure_ = -1;
   begin(t, q, qd);
   if (options_.base_path && !options_.sampling)
     std::visit([&](auto& space) { space.move_base(base_); }, space_);
@@ -226,6 +242,9 @@ const Command& Controller::torque(double t, std::span<const double> q, std::span
       break;
     case Law::resolved_acceleration:
       resolved_acceleration(t, qd);
+      break;
+    case Law::textbook:
+      textbook(t, qd);
       break;
     case Law::free:
       sweep_exactly(qd);
@@ -245,6 +264,12 @@ const Command& Controller::torque(double t, std::span<const double> q, std::span
     T[i] = rigid_torque_[i];
     if (options_.compensate_friction && !friction_.empty())
       T[i] += seeded(Fault::friction_compensation, friction_torque(friction_[i], qd[i]));
+  }
+  command_.saturated = false;
+  for (std::size_t i = 0; i < options_.effort_limit.size(); ++i) {
+    const double limit = options_.effort_limit[i];
+    command_.saturated = command_.saturated || std::abs(T[i]) > limit;
+    T[i] = std::clamp(T[i], -limit, limit);
   }
   return command_;
 }

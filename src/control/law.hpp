@@ -9,8 +9,12 @@
 #include <vector>
 
 #include "control/coordinates.hpp"
+#include "control/null_space.hpp"
+#include "control/obstacles.hpp"
 #include "control/pose_error.hpp"
 #include "control/reference.hpp"
+#include "control/singular_task.hpp"
+#include "control/textbook_laws.hpp"
 #include "model/friction.hpp"
 #include "recursion/operational_space.hpp"
 #include "recursion/resolved_acceleration.hpp"
@@ -20,12 +24,13 @@ namespace osculate {
 enum class Law {
   operational_space,      // (4) by the recursions
   resolved_acceleration,  // (16) by Newton-Euler; as many task rows as joint coordinates
+  textbook,               // an equation evaluated with the dense terms, LawOptions.textbook
   free,                   // no torque: the free swing
 };
 
 /// Omega(0) restricted to the task rows is not positive definite to working accuracy: no finite F gives the
 /// command.
-struct SingularTask : std::runtime_error {
+struct SingularArm : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
@@ -35,6 +40,25 @@ struct Sampling {
   Delay delay = Delay::none;  // what is taken from the sample before
   bool extrapolate = false;   // delayed values x(-1) become 2 x(-1) - x(-2)
   long monitor_every = 1;     // resolved acceleration: Lambda, c, g are computed at every N-th sample
+  double computation_time = 0;  // s, 0 <= computation_time < period: the torque acts so much after its sample
+  bool operator==(const Sampling&) const = default;
+};
+
+/// Force control of some task rows: u = (desired + wrench of the surface on the tip) / inertia - damping v.
+struct ForceControl {
+  TaskRows rows;                // among the task rows
+  std::vector<double> desired;  // N m or N for each: what the tip exerts on its surroundings
+  double inertia = 1;           // kg m^2 or kg, > 0
+  double damping = 20;          // 1/s, >= 0
+  bool operator==(const ForceControl&) const = default;
+};
+
+/// What a sampled law knows of the joints.
+struct Sensors {
+  double resolution = 0;       // rad or m, >= 0: positions are rounded to multiples of it; 0: exact
+  double velocity_cutoff = 0;  // Hz, >= 0: velocities are differences of positions through a first-order low
+                               // pass; 0: exact velocities
+  bool operator==(const Sensors&) const = default;
 };
 
 struct LawOptions {
@@ -42,13 +66,22 @@ struct LawOptions {
   TaskRows rows = all_rows();
   Vector6 stiffness = Vector6::Constant(100);  // 1/s^2, each >= 0
   Vector6 damping = Vector6::Constant(20);     // 1/s, each >= 0
-  double null_space_damping = 0;               // N m s/rad or N s/m, >= 0
+  NullSpaceOptions null_space;
   bool compensate_friction = true;
   std::optional<Vector6> constant_command;  // u itself, in place of pose tracking
   OrientationCoordinates orientation = OrientationCoordinates::rotation_vector;
   PositionCoordinates position = PositionCoordinates::cartesian;
-  std::optional<Sampling> sampling;            // none: the law acts at every instant
-  Vector6 known_tip_force = Vector6::Zero();   // N m, N: wrench on the tip that the law takes into account
+  std::optional<Sampling> sampling;  // none: the law acts at every instant
+  TextbookLaw textbook = TextbookLaw::dense;
+  bool feedforward = true;       // false: the reference's velocity and acceleration are taken as zero
+  bool know_tip_force = false;   // the law measures the wrench on the tip and takes it into account
+  std::optional<Vector6> virtual_inertia;  // kg m^2, kg, > 0: impedance, edd -= (wrench on the tip) / inertia
+  std::optional<ForceControl> force;
+  std::vector<Obstacle> obstacles;  // their fields add to the linear rows of u
+  SingularityOptions singularity;
+  std::optional<Sensors> sensors;    // of a sampled law
+  std::vector<double> effort_limit;  // N m or N for each velocity coordinate: torques saturate; empty: never
+  std::vector<double> constant_inertia;  // TextbookLaw::jacobian_transpose: kg m^2 and kg on the task rows
   std::shared_ptr<const Path> base_path = {};  // how the base moves in the inertial frame; none: at rest
 };
 
@@ -62,6 +95,8 @@ struct Command {
       Vector6::Zero();  // commanded tip acceleration; rows that the task does not control are meaningless
   Vector6 F = Vector6::Zero();  // F_c(0); zero on rows that the task does not control
   Coordinates y, v;  // coordinates of the chart and their commanded second derivative; empty without a chart
+  bool filtered = false;   // a singularity policy changed F
+  bool saturated = false;  // a torque limit changed T
 };
 
 /// The operational-space terms of the model as the recursions give them, on the task rows (m <= 6).
@@ -86,9 +121,11 @@ class Controller {
              std::shared_ptr<const Path> path, const Pose& initial);
 
   /// Joint torques, base to tip, of a law that acts at every instant; of a sampled one, the next sample.
-  /// Throws SingularTask, RepresentationSingular. The result refers to this object and lasts until the next
-  /// call.
-  const Command& torque(double t, std::span<const double> q, std::span<const double> qd, std::span<double> T);
+  /// `tip_force`: wrench on the tip now, which a law that measures it takes into account. Throws SingularArm,
+  /// RepresentationSingular, std::domain_error (at a joint limit or an obstacle whose field has no bound). The
+  /// result refers to this object and lasts until the next call.
+  const Command& torque(double t, std::span<const double> q, std::span<const double> qd, std::span<double> T,
+                        const Vector6& tip_force = Vector6::Zero());
 
   /// Of a sampled law between its samples: reference, tip and error as they are at t; u, F, v as they were at
   /// the last sample.
@@ -98,11 +135,26 @@ class Controller {
   /// arm is singular. Under resolved acceleration with a slower monitor, those of the last monitored sample.
   RecursiveTerms terms(std::span<const double> qd);
 
+  /// Omega(0) of the model at (q, qd), all six rows, by sweeps 1 to 3 of the exact recursions.
+  const Compliance<double>& compliance(double t, std::span<const double> q, std::span<const double> qd);
+  /// Smooth measure of the distance from a singularity that the last torque() saw (singular_task.hpp);
+  /// negative where it did not look.
+  double last_measure() const { return measure_; }
+  /// Number of directions that policy truncated leaves out; changes at events only.
+  void set_truncated(int directions) { truncated_ = directions; }
+  /// What to tell of an arm with this Omega that the law refuses: time, the task row most lost, remedy.
+  std::string singular_message(double t, const Compliance<double>& Omega) const;
+
   /// The result of the last torque().
   const Command& last() const { return command_; }
   /// Joint torque before friction compensation, J* F + null space, of the last torque(); base to tip.
   std::span<const double> rigid_torque() const { return rigid_torque_; }
-  /// T0 of the last torque(), base to tip; all zero without null-space damping.
+  /// Joint positions and velocities as the last torque() knew them: measured by sensors, or exact.
+  std::span<const double> known_q() const { return known_q_; }
+  std::span<const double> known_qd() const { return known_qd_; }
+  /// The wrench on the tip that the last torque() took into account; zero if the law does not measure it.
+  const Vector6& known_tip_force() const { return known_tip_force_; }
+  /// T0 of the last torque(), base to tip.
   std::span<const double> null_space_torque() const { return T0_; }
   /// Sweeps along the arm that the last torque() took, forward kinematics not counted.
   long sweeps_of_last_torque() const { return sweeps_; }
@@ -128,15 +180,24 @@ class Controller {
   /// Tip, reference and error at t.
   template <class Sweeps>
   void see_tip(const Sweeps& sweeps, double t);
-  /// u, and v of a chart, from what see_tip found.
+  /// The reference as the law follows it.
+  TipReference followed() const;
+  /// u, and v of a chart, from what see_tip found (command.cpp).
   void decide();
-  /// F = Omega^-1 (u + right side) on the task rows. Throws SingularTask.
+  /// Second derivative of the pose error that the gains ask for.
+  Vector6 wanted_error_acceleration() const;
+  /// u of a chart: Pi v + Pi. yd (1), on the part that it covers.
+  void decide_in_coordinates(const TipReference& reference);
+  /// q and qd through the sensors of a sampled law.
+  void sense(std::span<const double> q, std::span<const double> qd);
+  /// F = Omega^-1 (u + right side) on the task rows. Throws SingularArm.
   template <class Sweeps>
-  Vec<Force, double> tip_force(const Sweeps& sweeps, double t) const;
+  Vec<Force, double> tip_force(const Sweeps& sweeps, double t);
   template <class Sweeps>
   RecursiveTerms terms_of(Sweeps& space, std::span<const double> qd) const;
   void operational_space(double t, std::span<const double> qd);
   void resolved_acceleration(double t, std::span<const double> qd);
+  void textbook(double t, std::span<const double> qd);
   /// Sweeps 1 to 3 of the exact recursions at the present state, for look() and the monitor.
   void sweep_exactly(std::span<const double> qd);
 
@@ -146,13 +207,18 @@ class Controller {
   std::shared_ptr<const Path> path_;
   Pose initial_;
   std::optional<CoordinateChart> chart_;
-  Vec<Force, double> known_tip_force_;
+  Vector6 known_tip_force_ = Vector6::Zero();
+  Vec<Force, double> known_push_;  // the same
   Space space_;                          // the exact recursions: the law itself, or its monitor
   std::optional<SampledSpace> sampled_;  // the same in link frames, with a memory
   std::optional<Resolved> resolved_;
   std::vector<JointPosition<double>> joints_;
   BaseMotion<double> base_;
   std::vector<double> T0_, rigid_torque_;
+  std::vector<double> known_q_, known_qd_;
+  std::vector<double> measured_q_, filtered_qd_;  // by the sensors at the sample before
+  double measure_ = -1;
+  int truncated_ = 0;
   Command command_;
   long sweeps_ = 0, samples_ = 0;
   bool monitored_ = true;

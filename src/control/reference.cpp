@@ -52,6 +52,7 @@ std::vector<double> after_start(std::vector<double> times) {
 class Hold final : public Path {
  public:
   PathPoint at(double) const override { return {}; }
+  bool moves() const override { return false; }
   std::array<bool, 6> commanded() const override { return {}; }
 };
 
@@ -67,7 +68,11 @@ class Step final : public Path {
     return out;
   }
   std::vector<double> breakpoints() const override { return after_start({o.at}); }
+  bool moves() const override { return false; }
   std::array<bool, 6> commanded() const override { return nonzero(o.offset); }
+  std::array<bool, 6> commanded_from(double start) const override {
+    return start < o.at ? std::array<bool, 6>{} : commanded();
+  }
 
  private:
   StepOptions o;
@@ -163,6 +168,101 @@ class Lissajous final : public Path {
   Vector6 amplitude, rate, phase;  // rad or m, rad/s, rad
 };
 
+/// Time is cut into half periods, number h beginning at h * half: in those of even number the reference is
+/// away on one row, in the others it is back.
+class EachAxis final : public Path {
+ public:
+  EachAxis(const EachAxisOptions& options, double run_duration)
+      : amplitude(options.amplitude), half(options.period / 2), duration(run_duration) {
+    require_finite("amplitude", amplitude);
+    require_positive("period", options.period, "s");
+    if (!(duration <= 1e6 * half))
+      reject("period", text(options.period) + " s",
+             "must be at least " + text(2e-6 * duration) + " s, for at most a million jumps");
+    for (int i = 0; i < 6; ++i)
+      if (amplitude[i] != 0) rows.push_back(i);
+  }
+  PathPoint at(double t) const override {
+    PathPoint out;
+    if (t < 0 || rows.empty()) return out;
+    const double h = half_period(t);
+    if (std::fmod(h, 2) == 0) out.y[row(h)] = amplitude[row(h)];
+    return out;
+  }
+  std::vector<double> breakpoints() const override {
+    std::vector<double> out;
+    if (rows.empty()) return out;
+    for (double h = 1; h * half < duration; ++h) out.push_back(h * half);
+    return out;
+  }
+  bool moves() const override { return false; }
+  std::array<bool, 6> commanded() const override { return nonzero(amplitude); }
+  std::array<bool, 6> commanded_from(double start) const override {
+    std::array<bool, 6> out{};
+    if (start < 0 || rows.empty()) return out;
+    out[row(half_period(start))] = true;
+    return out;
+  }
+
+ private:
+  /// Largest h with h * half <= t in floating point, so that the value changes at the breakpoints to the bit.
+  double half_period(double t) const {
+    double h = std::floor(t / half);
+    if ((h + 1) * half <= t) ++h;
+    if (h * half > t) --h;
+    return h;
+  }
+  /// Row of that half period; `rows` is not empty.
+  int row(double h) const {
+    const double turn = std::fmod(std::floor(h / 2), static_cast<double>(rows.size()));
+    return rows[static_cast<std::size_t>(turn)];
+  }
+
+  Vector6 amplitude;      // rad or m
+  double half, duration;  // s
+  std::vector<int> rows;  // that jump, in their order
+};
+
+/// y = amplitude sum_k (sin(w_k t + phase_k) - sin(phase_k)), k = 1 ... N by rising frequency, with the
+/// phases of Schroeder (1970) for a flat spectrum: phase_k = -pi k (k - 1) / N.
+class Multisine final : public Path {
+ public:
+  explicit Multisine(const MultisineOptions& options) : row(options.row), amplitude(options.amplitude) {
+    if (row < 0 || row > 5) reject("row", std::to_string(row), "must be 0 to 5");
+    require_finite("amplitude", amplitude, row < 3 ? "rad" : "m");
+    std::vector<double> frequencies = options.frequencies;  // Hz
+    if (frequencies.empty()) reject("frequencies", "[]", "must have at least one entry");
+    for (std::size_t k = 0; k < frequencies.size(); ++k)
+      require_positive(entry("frequencies", static_cast<int>(k)), frequencies[k], "Hz");
+    std::sort(frequencies.begin(), frequencies.end());
+    const auto twice = std::adjacent_find(frequencies.begin(), frequencies.end());
+    if (twice != frequencies.end()) reject("frequencies", text(*twice) + " Hz", "must not be there twice");
+    const auto N = static_cast<double>(frequencies.size());
+    for (double k = 1; k <= N; ++k) phase.push_back(-std::numbers::pi * std::fmod(k * (k - 1) / N, 2));
+    for (const double f : frequencies) rate.push_back(2 * std::numbers::pi * f);
+  }
+  PathPoint at(double t) const override {
+    PathPoint out;
+    for (std::size_t k = 0; k < rate.size(); ++k) {
+      const double angle = rate[k] * t + phase[k];
+      out.y[row] += amplitude * (std::sin(angle) - std::sin(phase[k]));
+      out.yd[row] += amplitude * rate[k] * std::cos(angle);
+      out.ydd[row] -= amplitude * rate[k] * rate[k] * std::sin(angle);
+    }
+    return out;
+  }
+  std::array<bool, 6> commanded() const override {
+    std::array<bool, 6> out{};
+    out[row] = amplitude != 0;
+    return out;
+  }
+
+ private:
+  int row;
+  double amplitude;                 // rad or m
+  std::vector<double> rate, phase;  // rad/s, rad
+};
+
 }  // namespace
 
 std::unique_ptr<Path> make_path(const HoldOptions&) { return std::make_unique<Hold>(); }
@@ -171,6 +271,12 @@ std::unique_ptr<Path> make_path(const LineOptions& options) { return std::make_u
 std::unique_ptr<Path> make_path(const CircleOptions& options) { return std::make_unique<Circle>(options); }
 std::unique_ptr<Path> make_path(const LissajousOptions& options) {
   return std::make_unique<Lissajous>(options);
+}
+std::unique_ptr<Path> make_path(const EachAxisOptions& options, double duration) {
+  return std::make_unique<EachAxis>(options, duration);
+}
+std::unique_ptr<Path> make_path(const MultisineOptions& options) {
+  return std::make_unique<Multisine>(options);
 }
 
 TipReference tip_reference(const Path& path, const Pose& initial, double t) {

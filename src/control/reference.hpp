@@ -44,6 +44,10 @@ class Path {
   virtual std::vector<double> breakpoints() const { return {}; }
   /// True for each of the six rows that ever leaves zero.
   virtual std::array<bool, 6> commanded() const = 0;
+  /// The same from breakpoint to breakpoint: rows commanded in the segment that begins at `start`.
+  /// False for a path that only jumps: its velocity is zero everywhere.
+  virtual bool moves() const { return true; }
+  virtual std::array<bool, 6> commanded_from(double /*start*/) const { return commanded(); }
 };
 
 struct ReferenceError : std::runtime_error {
@@ -77,11 +81,27 @@ struct WaypointsOptions {
   std::filesystem::path file;  // CSV with a header: t,x,y,z or t,x,y,z,qw,qx,qy,qz (absolute, base frame)
 };
 
+/// One axis after the other: at i * period the reference jumps by amplitude[i] on row i alone, and half a
+/// period later back; rows with amplitude 0 are passed over. Then from the first again, to the end.
+struct EachAxisOptions {
+  Vector6 amplitude = Vector6::Zero();  // rad, m
+  double period = 4;                    // s, > 0: time of one axis
+};
+/// A sum of sines of equal amplitude on one row; phases by Schroeder (1970), which keep its peak low, minus
+/// the value at t = 0.
+struct MultisineOptions {
+  int row = 3;                                  // 0..5
+  double amplitude = 0.005;                     // rad or m, of each sine
+  std::vector<double> frequencies{0.5, 1, 2, 4};  // Hz, distinct, > 0
+};
+
 std::unique_ptr<Path> make_path(const HoldOptions&);
 std::unique_ptr<Path> make_path(const StepOptions&);
 std::unique_ptr<Path> make_path(const LineOptions&);
 std::unique_ptr<Path> make_path(const CircleOptions&);
 std::unique_ptr<Path> make_path(const LissajousOptions&);
+std::unique_ptr<Path> make_path(const EachAxisOptions&, double duration);
+std::unique_ptr<Path> make_path(const MultisineOptions&);
 /// C^2 cubic splines through the waypoints, at rest at both ends, holding the last point afterwards. The
 /// first waypoint may differ from `initial`: the error then decays as the gains say.
 std::unique_ptr<Path> make_path(const WaypointsOptions&, const Pose& initial);

@@ -80,13 +80,17 @@ Arms make_arms(const Experiment& experiment) {
   const PlantConfig& config = experiment.plant;
   arms.plant.chain = arms.model;
   if (config.armature) set_armature(arms.plant.chain, *config.armature);
-  for (auto& link : arms.plant.chain.links) {
-    link.mass *= config.mass_scale;
-    link.inertia *= config.mass_scale;
+  for (std::size_t i = 0; i < arms.plant.chain.links.size(); ++i) {
+    Link<double>& link = arms.plant.chain.links[i];
+    const double scale = config.mass_scale * (config.link_mass_scale.empty() ? 1 : config.link_mass_scale[i]);
+    link.mass *= scale;
+    link.inertia *= scale * config.inertia_scale;
   }
   add_payload(arms.plant.chain, config.payload);
   arms.plant.friction = config.friction.value_or(arms.friction);
   arms.plant.tip_force = config.tip_force;
+  arms.plant.environment = config.environment;
+  arms.plant.dense = config.dynamics == PlantDynamics::dense;
 
   for (const auto* chain : {&arms.model, &arms.plant.chain})
     require_articulated(*chain, arms.description, experiment.q);

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "simulation/cvode.hpp"
+#include "simulation/integrator.hpp"
 
 // OSCULATE_VERSION, OSCULATE_COMMIT, OSCULATE_URDFDOM, OSCULATE_YAML_CPP and OSCULATE_FLAGS come from CMake.
 

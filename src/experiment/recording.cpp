@@ -1,8 +1,11 @@
 #include "experiment/recording.hpp"
 
+#include <cmath>
 #include <limits>
 
+#include "control/effective_mass.hpp"
 #include "control/rotation.hpp"
+#include "control/singular_task.hpp"
 #include "experiment/provenance.hpp"
 
 namespace osculate {
@@ -89,6 +92,7 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
       {"xyz", xyz_labels, "", "components in the base frame"},
       {"quaternion", {"w", "x", "y", "z"}, "", "quaternion components"},
       {"task_row", rows, "", "rows that the task controls"},
+      {"principal", {"smallest", "middle", "largest"}, "", "principal directions of an ellipsoid"},
   };
   layout.lists = {
       {"position_unit", "position_coordinate", position_units, "unit of joint positions"},
@@ -140,6 +144,11 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
     along_time("trajectory/coordinate_command", {"coordinate"}, "",
                "commanded second derivative of the operational coordinates");
   }
+  along_time("trajectory/tip_force", {"spatial"}, "", "wrench of the surroundings on the tip");
+  if (experiment.plant.environment) {
+    along_time("contact/gap", {}, "m", "distance of the tip from the surface, negative inside");
+    along_time("contact/pressure", {}, "N", "normal force of the surface on the tip");
+  }
   along_time("operational_space/Omega", {"spatial", "spatial_column"}, "",
              "J M^-1 J*, inverse of Lambda, by recursion");
   along_time("operational_space/Lambda", {"spatial", "spatial_column"}, "",
@@ -150,10 +159,19 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
   along_time("operational_space/F", {"spatial"}, "", "commanded tip force F_c", true);
   along_time("operational_space/cond_Omega", {}, "1",
              "condition number of Omega on the task rows, scaled to unit diagonal", true);
+  along_time("operational_space/sigma_min", {}, "1",
+             "smallest eigenvalue of Omega on the task rows, scaled by the mean diagonal entry of each block");
+  along_time("operational_space/effective_mass", {"principal"}, "kg", "principal effective masses of the tip",
+             true);
+  along_time("operational_space/effective_mass_axes", {"principal", "xyz"}, "1", "their unit directions");
+  along_time("operational_space/effective_inertia", {"principal"}, "kg m^2",
+             "principal effective inertias of the tip", true);
+  along_time("operational_space/effective_inertia_axes", {"principal", "xyz"}, "1", "their unit directions");
   along_time("energy/kinetic", {}, "J", "kinetic energy of links and rotors");
   along_time("energy/potential", {}, "J", "potential energy");
   along_time("energy/work", {}, "J", "work of the joint torques since the start");
-  along_time("energy/dissipated", {}, "J", "energy lost in joint friction since the start");
+  along_time("energy/dissipated", {}, "J", "energy lost in joint friction and at a surface since the start");
+  along_time("energy/self_motion", {}, "J", "kinetic energy of motion that the tip does not see", true);
   along_time("energy/external_work", {}, "J", "work of the external tip force since the start");
 
   const auto along_steps = [&layout](const std::string& path, const std::string& unit,
@@ -171,6 +189,12 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
               Kind::real, true);
   along_steps("solver/global_error_orientation", "rad", "estimate of the tip orientation's true error so far",
               Kind::real, true);
+  along_steps("departure/angular_acceleration", "rad/s^2", "length of tip acceleration - u, task rows",
+              Kind::real, true);
+  along_steps("departure/linear_acceleration", "m/s^2", "length of tip acceleration - u, task rows", Kind::real,
+              true);
+  along_steps("solver/contact", "1", "1 while the tip is in contact", Kind::small, false);
+  along_steps("solver/truncated", "1", "directions that the singularity policy leaves out", Kind::small, false);
   for (const auto& claim : claim_table) {
     const std::string path = "verification/" + std::string(claim.id);
     along_steps(path, "1", "residual of the claim " + std::string(claim.id), Kind::real, true);
@@ -181,12 +205,31 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
   return layout;
 }
 
+double or_missing(double x) { return std::isfinite(x) ? x : missing; }
+
+Compliance<double> compliance(const MatrixX<double>& a) {
+  const auto block = [&a](int i, int j) -> Mat3<double> {
+    return {{a(i, j), a(i, j + 1), a(i, j + 2)},
+            {a(i + 1, j), a(i + 1, j + 1), a(i + 1, j + 2)},
+            {a(i + 2, j), a(i + 2, j + 1), a(i + 2, j + 2)}};
+  };
+  const auto symmetric = [&a](int i) -> Sym3<double> {
+    return {a(i, i), a(i, i + 1), a(i, i + 2), a(i + 1, i + 1), a(i + 1, i + 2), a(i + 2, i + 2)};
+  };
+  return {symmetric(0), block(0, 3), symmetric(3)};
+}
+
 void push(std::vector<double>& row, std::span<const double> values) {
   row.insert(row.end(), values.begin(), values.end());
 }
 template <class Derived>
 void push(std::vector<double>& row, const Eigen::MatrixBase<Derived>& values) {
   for (Eigen::Index i = 0; i < values.size(); ++i) row.push_back(values(i));
+}
+
+void push_ellipsoid(std::vector<double>& row, const Ellipsoid& ellipsoid) {
+  for (int i = 0; i < 3; ++i) row.push_back(or_missing(ellipsoid.principal[i]));
+  push(row, ellipsoid.axes);  // column-major: one axis after the other
 }
 
 /// Values on the task rows spread over six, the rest missing.
@@ -200,10 +243,12 @@ Vector6 spread(const VectorX<double>& values, const TaskRows& rows) {
 
 Recording::Recording(const std::filesystem::path& file, const Experiment& experiment, const Arms& arms,
                      const std::string& command, bool force)
-    : file_(file, make_layout(experiment, arms, command), force) {}
+    : file_(file, make_layout(experiment, arms, command), force),
+      rows_(experiment.controller.rows),
+      controlled_(experiment.controller.law != Law::free),
+      contact_(experiment.plant.environment.has_value()) {}
 
-void Recording::output(const Observation& seen, const TaskRows& rows, const RecursiveTerms& terms,
-                       double condition) {
+void Recording::output(const Observation& seen, const TaskRows& rows, const RecursiveTerms& terms) {
   row_.clear();
   row_.push_back(seen.t);
   push(row_, seen.q);
@@ -227,6 +272,11 @@ void Recording::output(const Observation& seen, const TaskRows& rows, const Recu
   push(row_, command.reference.acceleration);
   push(row_, command.y);
   push(row_, command.v);
+  push(row_, seen.tip_force);
+  if (contact_) {
+    row_.push_back(seen.touch.gap);
+    row_.push_back(seen.touch.normal.dot(seen.touch.wrench.tail<3>()));
+  }
   push(row_, terms.Omega);  // symmetric: row-major or column-major alike
   Eigen::Matrix<double, 6, 6> Lambda = Eigen::Matrix<double, 6, 6>::Constant(missing);
   Vector6 c = Vector6::Constant(missing), g = c, F = c;
@@ -243,8 +293,18 @@ void Recording::output(const Observation& seen, const TaskRows& rows, const Recu
   push(row_, c);
   push(row_, g);
   push(row_, F);
-  row_.push_back(condition);
-  for (const double energy : {seen.kinetic, seen.potential, seen.work, seen.dissipated, seen.external_work})
+  const Compliance<double> Omega = compliance(terms.Omega);
+  row_.push_back(or_missing(scaled_condition(MatrixX<double>(terms.Omega(rows, rows)))));
+  row_.push_back(SingularTask({}, Omega, rows).eigenvalues()[0]);
+  push_ellipsoid(row_, effective_mass(Omega));
+  push_ellipsoid(row_, effective_inertia(Omega));
+  double self_motion = missing;
+  if (terms.Lambda.size() > 0) {
+    const VectorX<double> V = command.tip_velocity(rows);
+    self_motion = seen.kinetic - V.dot(terms.Lambda * V) / 2;
+  }
+  for (const double energy :
+       {seen.kinetic, seen.potential, seen.work, seen.dissipated, self_motion, seen.external_work})
     row_.push_back(energy);
   file_.append("time", row_);
 }
@@ -252,10 +312,15 @@ void Recording::output(const Observation& seen, const TaskRows& rows, const Recu
 void Recording::step(const Step& step, const Residuals& residuals) {
   row_.clear();
   row_.push_back(static_cast<double>(step.number));
+  const StepInfo& info = step.info;
+  double missed[2] = {0, 0};
+  for (const int i : rows_) missed[i / 3] += step.missed[i] * step.missed[i];
   for (const double value :
-       {step.t, step.h, static_cast<double>(step.order), static_cast<double>(step.rhs_evaluations),
-        step.local_error, step.error.known ? step.error.position : missing,
-        step.error.known ? step.error.orientation : missing})
+       {info.t, info.h, static_cast<double>(info.order), static_cast<double>(step.rhs_evaluations),
+        info.local_error, step.error.known ? step.error.position : missing,
+        step.error.known ? step.error.orientation : missing, controlled_ ? std::sqrt(missed[0]) : missing,
+        controlled_ ? std::sqrt(missed[1]) : missing, static_cast<double>(step.modes.contact),
+        static_cast<double>(step.modes.truncated)})
     row_.push_back(value);
   for (const Residual& r : residuals) {
     row_.push_back(r.applies ? r.value : missing);
@@ -265,32 +330,7 @@ void Recording::step(const Step& step, const Residuals& residuals) {
 }
 
 void Recording::finish(const RunResult& result) {
-  std::vector<VerdictRow> rows;
-  for (std::size_t i = 0; i < claim_count; ++i) {
-    const ClaimResult& r = result.claims[i];
-    const bool judged = r.outcome != Outcome::not_applicable;
-    rows.push_back({std::string(claim_table[i].id), std::string(claim_table[i].equation), r.reason,
-                    judged ? r.worst.value : missing, judged ? r.worst.bound : missing,
-                    judged ? r.at_time : missing, static_cast<int>(r.outcome), r.undecided_steps,
-                    r.checked_steps});
-  }
-  std::vector<Scalar> scalars{
-      {"timing/simulation", result.times.simulation, "s", "wall time of the integration"},
-      {"timing/shadow", result.times.shadow, "s", "wall time of the shadow run"},
-      {"timing/checking", result.times.checking, "s", "wall time of the checks"},
-      {"timing/recording", result.times.recording, "s", "wall time of recording"},
-      {"global_error/position", result.error.known ? result.error.position : missing, "m",
-       "estimate of the tip position's true error"},
-      {"global_error/orientation", result.error.known ? result.error.orientation : missing, "rad",
-       "estimate of the tip orientation's true error"},
-      {"global_error/energy", result.error.known ? result.error.energy : missing, "J",
-       "estimate of the energies' true error"},
-      {"analytic_response/position", result.analytic ? result.worst_position : missing, "m",
-       "largest distance of the tip from the closed-form solution"},
-      {"analytic_response/orientation", result.analytic ? result.worst_orientation : missing, "rad",
-       "largest angle between the tip and the closed-form solution"},
-  };
-  file_.finish(result.status, result.verdict, rows, scalars);
+  file_.finish(result.status, result.verdict, ending_of(result));
 }
 
 }  // namespace osculate

@@ -10,20 +10,24 @@
 
 namespace osculate {
 
+/// What is written when a run is over: the verdict, what was measured, wall times (ending_of.cpp).
+Ending ending_of(const RunResult& result);
+
 class Recording {
  public:
   Recording(const std::filesystem::path& file, const Experiment& experiment, const Arms& arms,
             const std::string& command, bool force);
 
   /// One output instant. Without Lambda in `terms` (the arm is singular) what depends on it is missing.
-  void output(const Observation& seen, const TaskRows& rows, const RecursiveTerms& terms, double condition);
+  void output(const Observation& seen, const TaskRows& rows, const RecursiveTerms& terms);
 
   struct Step {
     long number = 0;
-    double t = 0, h = 0, local_error = 0;
-    int order = 0;
+    StepInfo info;
     long rhs_evaluations = 0;
     GlobalError error;
+    Modes modes;
+    Vector6 missed;  // rad/s^2, m/s^2: tip acceleration - u
   };
   void step(const Step& step, const Residuals& residuals);
 
@@ -31,6 +35,8 @@ class Recording {
 
  private:
   ResultFile file_;
+  TaskRows rows_;
+  bool controlled_ = true, contact_ = false;
   std::vector<double> row_;
   Eigen::Vector4d tip_quaternion_ = Eigen::Vector4d::Zero(), reference_quaternion_ = Eigen::Vector4d::Zero();
 };

@@ -8,9 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "experiment/config.hpp"
-#include "verification/trajectory.hpp"
-#include "verification/verdict.hpp"
+#include "experiment/measurements.hpp"
 
 namespace osculate {
 
@@ -50,6 +48,7 @@ struct RunResult {
   double end_time = 0;                               // s, simulated
   long steps = 0, rhs_evaluations = 0;
   long samples = 0, sweeps_per_sample = 0;  // of a sampled law: how often it acted, sweeps of the last time
+  Measured measured;
   RunTimes times;
   std::vector<std::string> warnings;
 };

@@ -171,8 +171,7 @@ Value parse(const std::string& text, const std::string& source) {
   return document;
 }
 
-void apply_override(Value& root, const std::string& key_and_value) {
-  const auto place = "--set " + key_and_value;
+void apply_override(Value& root, const std::string& key_and_value, const std::string& place) {
   const auto equals = key_and_value.find('=');
   const auto path = key_and_value.substr(0, equals);
   std::vector<std::string> words(1);

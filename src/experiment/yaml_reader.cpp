@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <string_view>
 
 #include "experiment/config.hpp"
 
@@ -84,6 +85,47 @@ std::string show(const Value& value) {
   return value.kind == Value::Kind::map ? "{" + out + "}" : "[" + out + "]";
 }
 
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      const char* digits = "0123456789abcdef";
+      out += std::string("\\x") + digits[(c >> 4) & 15] + digits[c & 15];
+    } else {
+      out += c;
+    }
+  }
+  return out + "\"";
+}
+
+namespace {
+
+/// The text as a scalar without quotes, where nothing in it means anything to YAML; else with quotes.
+std::string scalar(const std::string& text) {
+  const auto plain = [](unsigned char c) {
+    return c < 0x80 && (std::isalnum(c) ||
+                        std::string_view("_.+-/").find(static_cast<char>(c)) != std::string_view::npos);
+  };
+  auto first = text.begin();
+  if (first != text.end() && (*first == '+' || *first == '-')) ++first;
+  if (first != text.end() && *first == '.') ++first;
+  const bool starts_well = first != text.end() && std::isalnum(static_cast<unsigned char>(*first));
+  return starts_well && std::all_of(text.begin(), text.end(), plain) ? text : quoted(text);
+}
+
+}  // namespace
+
+std::string flow(const Value& value) {
+  if (value.kind == Value::Kind::null) return "~";
+  if (value.kind == Value::Kind::scalar) return value.quoted ? quoted(value.text) : scalar(value.text);
+  std::string out;
+  for (const auto& item : value.items)
+    out += (out.empty() ? "" : ", ") + (value.kind == Value::Kind::map ? scalar(item.key) + ": " : "") +
+           flow(item);
+  return value.kind == Value::Kind::map ? "{" + out + "}" : "[" + out + "]";
+}
+
 void fail(const Setting& setting, const std::string& text) {
   throw ConfigError(setting.place + ": " + setting.path + " = " + show(*setting.value) + ": " + text);
 }
@@ -121,6 +163,37 @@ std::vector<std::string> Map::keys_of(const Setting& setting) {
   if (is_map(setting))
     for (const auto& item : setting.value->items) out.push_back(item.key);
   return out;
+}
+
+TypedMap typed_map(const Setting& setting, const TypeKeys& types, const std::string& otherwise) {
+  std::vector<std::string> names;
+  for (const auto& [name, own] : types) names.push_back(name);
+  std::string type = otherwise;
+  if (is_map(setting))
+    for (const auto& item : setting.value->items)
+      if (item.key == "type") type = read_word({&item, setting.path + ".type", item.place}, names);
+  if (setting.given() && setting.value->kind != Value::Kind::null && !is_map(setting))
+    fail(setting, "must be a map with the key type and those of its type.");
+  if (type.empty())
+    fail_missing({nullptr, setting.path + ".type", setting.place}, "give " + either(names) + ".");
+
+  std::vector<std::string> keys{"type"};
+  for (const auto& [name, own] : types)
+    if (name == type) keys.insert(keys.end(), own.begin(), own.end());
+  for (const auto& given : Map::keys_of(setting)) {
+    if (std::find(keys.begin(), keys.end(), given) != keys.end()) continue;
+    std::vector<std::string> owners;
+    for (const auto& [name, own] : types)
+      if (std::find(own.begin(), own.end(), given) != own.end()) owners.push_back(name);
+    if (owners.empty()) continue;
+    for (const auto& item : setting.value->items)
+      if (item.key == given)
+        throw ConfigError(item.key_place + ": unknown key '" + setting.path + "." + given +
+                          "': it belongs to type " + either(owners) + ", the type here is " + type +
+                          "; remove it, or replace the whole " + setting.path + " (--set \"" + setting.path +
+                          "={type: " + type + "}\").");
+  }
+  return {type, Map(setting, keys)};
 }
 
 Range at_least_zero(std::string note) { return {.low = 0, .note = std::move(note)}; }
@@ -179,11 +252,10 @@ void read_one_or_six(const Setting& setting, Vector6& out, const Range& range) {
   for (int i = 0; i < 6; ++i) read(list[i], out[i], range);
 }
 
-void read(const Setting& setting, std::vector<double>& out, const Range& range) {
+void read(const Setting& setting, std::vector<double>& out, const Range& range, const std::string& what) {
   if (!setting.given()) return;
   out.clear();
-  for (const auto& entry : entries(setting, "a list of numbers, one for each joint from base to tip"))
-    read(entry, out.emplace_back(), range);
+  for (const auto& entry : entries(setting, what)) read(entry, out.emplace_back(), range);
 }
 
 std::vector<Setting> entries(const Setting& setting, const std::string& what) {
@@ -196,6 +268,13 @@ std::vector<Setting> entries(const Setting& setting, const std::string& what) {
 
 bool is_scalar(const Setting& setting) {
   return setting.given() && setting.value->kind == Value::Kind::scalar;
+}
+bool is_number(const Value& value) {
+  if (value.kind != Value::Kind::scalar) return false;
+  try {
+    number({&value, "", ""});
+  } catch (const ConfigError&) { return false; }
+  return true;
 }
 bool is_map(const Setting& setting) { return setting.given() && setting.value->kind == Value::Kind::map; }
 

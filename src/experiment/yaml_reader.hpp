@@ -26,7 +26,13 @@ struct Value {
 Value parse(const std::string& text, const std::string& source);
 
 /// Applies one "key.path=value" of --set; list entries go by index from 0, missing maps are created.
-void apply_override(Value& root, const std::string& key_and_value);
+/// `place` is what messages call it.
+void apply_override(Value& root, const std::string& key_and_value, const std::string& place);
+
+/// A text in double quotes, as YAML and JSON escape it.
+std::string quoted(const std::string& text);
+/// A value on one line, fit to stand in a list, in a map or behind "key.path=".
+std::string flow(const Value& value);
 
 /// One setting: its value where it is given, its key path, and the place a message should name.
 struct Setting {
@@ -57,6 +63,16 @@ class Map {
   std::vector<std::string> keys;
 };
 
+/// A map whose keys depend on its `type`: "type" itself, and those that `types` lists for it.
+using TypeKeys = std::vector<std::pair<std::string, std::vector<std::string>>>;
+struct TypedMap {
+  std::string type;
+  Map map;
+};
+/// Throws for a key that only other types have. `otherwise`: the type where none is given; empty: it must be
+/// given.
+TypedMap typed_map(const Setting&, const TypeKeys& types, const std::string& otherwise);
+
 /// Interval of numbers that are allowed; an open end excludes the bound itself.
 struct Range {
   double low = -std::numeric_limits<double>::infinity();
@@ -76,13 +92,17 @@ void read(const Setting&, bool& out);
 void read(const Setting&, std::string& out);  // not empty
 void read(const Setting&, Vector3<double>& out);
 void read(const Setting&, Vector6& out, const Range& = {});
-void read(const Setting&, std::vector<double>& out, const Range& = {});
+/// `what` completes "must be ...".
+void read(const Setting&, std::vector<double>& out, const Range& = {},
+          const std::string& what = "a list of numbers, one for each joint from base to tip");
 /// A number for all six rows, or a list of six.
 void read_one_or_six(const Setting&, Vector6& out, const Range& = {});
 
 /// The entries of a list as settings "path[i]". `what` completes "must be ...".
 std::vector<Setting> entries(const Setting&, const std::string& what);
 bool is_scalar(const Setting&);
+/// An unquoted scalar that is a finite number.
+bool is_number(const Value&);
 bool is_map(const Setting&);
 
 /// The word nearest to `word` by edits, empty when none is near.

@@ -15,6 +15,12 @@ namespace osculate::hdf5 {
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 constexpr unsigned tracked = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
 
+inline hid_t stored_type(Kind kind) {
+  if (kind == Kind::integer) return H5T_STD_I64LE;
+  if (kind == Kind::small) return H5T_STD_I8LE;
+  return H5T_IEEE_F64LE;
+}
+
 /// Creates objects in an open file, all with creation order tracked and without time stamps.
 class Creator {
  public:
@@ -89,6 +95,20 @@ class Creator {
   void write(hid_t dataset, const std::string& where, hid_t type, const void* values) const {
     check_(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "write", where);
     check_(H5Dflush(dataset), "write", where);
+  }
+
+  /// A fixed axis: labels or coordinates, as a dimension scale.
+  Handle fixed_axis(const Axis& axis) const {
+    Handle made;
+    if (axis.coordinates.empty()) {
+      made = strings(axis.name, axis.labels, false, axis.long_name);
+    } else {
+      made =
+          dataset(axis.name, H5T_IEEE_F64LE, {axis.coordinates.size()}, {}, false, axis.unit, axis.long_name);
+      write(made, axis.name, H5T_NATIVE_DOUBLE, axis.coordinates.data());
+    }
+    make_scale(made, axis.name.substr(axis.name.rfind('/') + 1));  // netCDF's name is the last part
+    return made;
   }
 
   void make_scale(hid_t dataset, const std::string& name) const {

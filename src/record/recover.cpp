@@ -124,6 +124,11 @@ void read_dataset(Handle dataset, const std::string& where, const Check& check, 
     if (is_axis) input.layout.axes.push_back({where, texts, "", long_name});
     if (!is_axis && rank == 0) input.layout.texts.push_back({where, texts.at(0), long_name});
     if (!is_axis && rank == 1) input.layout.lists.push_back({where, axes[0], texts, long_name});
+  } else if (is_axis && rank == 1) {
+    std::vector<double> coordinates(source.extent[0]);
+    check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, coordinates.data()), "read",
+          where);
+    input.layout.axes.push_back({where, {}, unit, long_name, coordinates});
   }
 }
 
@@ -267,7 +272,7 @@ path recover(const path& in, const path& out, bool force) {
   try {
     ResultFile output(unfinished, input.layout, true);
     for (const auto& [axis, sources] : input.sources) copy_rows(sources, axis, kept.at(axis), check, output);
-    output.finish("recovered", "", {}, {});
+    output.finish("recovered", "");
     std::filesystem::rename(unfinished, target);
   } catch (const std::filesystem::filesystem_error& failure) {
     throw FileError(target.string() + ": " + failure.code().message());

@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "record/ending.hpp"
 #include "record/hdf5_create.hpp"
 
 namespace osculate {
@@ -16,6 +17,7 @@ namespace {
 using hdf5::Check;
 using hdf5::Creator;
 using hdf5::Handle;
+using hdf5::stored_type;
 using hdf5::tracked;
 using std::filesystem::path;
 
@@ -25,12 +27,6 @@ hsize_t rows_in_chunk(std::size_t widest_row_bytes) {
   hsize_t rows = 256;
   while (rows > 16 && rows * widest_row_bytes > 65536) rows /= 2;
   return rows;
-}
-
-hid_t stored_type(Kind kind) {
-  if (kind == Kind::integer) return H5T_STD_I64LE;
-  if (kind == Kind::small) return H5T_STD_I8LE;
-  return H5T_IEEE_F64LE;
 }
 
 /// One recorded variable: its place in an appended row and its dataset.
@@ -54,10 +50,6 @@ struct Track {
 
   hsize_t buffered_rows() const { return buffer.size() / row_size; }
 };
-
-void require(bool good, const std::string& message) {
-  if (!good) throw std::invalid_argument("result layout: " + message);
-}
 
 void require_storable(const Column& column, std::span<const double> values) {
   for (const double value : values) {
@@ -105,6 +97,7 @@ struct ResultFile::Impl {
   Check check;
   Handle file;
   std::map<std::string, Track> tracks;
+  FixedAxes fixed;
   std::pair<dev_t, ino_t> id;
   enum class State { writing, finished, write_failed } state = State::writing;
 
@@ -114,8 +107,6 @@ struct ResultFile::Impl {
   void flush_rows(Track& track);
   void write_column(Track& track, Column& column, hsize_t rows);
   void close_file();
-  void write_results(hid_t open_file, const std::string& status, const std::string& verdict,
-                     const std::vector<VerdictRow>& rows, const std::vector<Scalar>& scalars) const;
 };
 
 ResultFile::Impl::Impl(const path& where, const Layout& layout, bool force)
@@ -175,7 +166,10 @@ void ResultFile::Impl::create_objects(const Layout& layout) {
   std::map<std::string, std::size_t> widest;  // values in a row of the widest variable, by unlimited axis
   for (const Axis& axis : layout.axes) {
     require(axes.emplace(axis.name, &axis).second, "axis '" + axis.name + "' given twice");
-    if (axis.labels.empty()) widest[axis.name] = 1;
+    require(axis.name.find('/') == std::string::npos, "axis '" + axis.name + "' is not in the root group");
+    require_one_kind(axis);
+    if (axis.fixed()) fixed[axis.name] = axis.size();
+    if (!axis.fixed()) widest[axis.name] = 1;
   }
   const auto find_axis = [&](const std::string& axis, const std::string& user) -> const Axis& {
     require(axes.contains(axis), user + ": unknown axis '" + axis + "'");
@@ -183,7 +177,7 @@ void ResultFile::Impl::create_objects(const Layout& layout) {
   };
   for (const Variable& variable : layout.variables) {
     require(!variable.axes.empty(), variable.path + ": has no axis");
-    require(find_axis(variable.axes[0], variable.path).labels.empty(),
+    require(!find_axis(variable.axes[0], variable.path).fixed(),
             variable.path + ": first axis is not unlimited");
     require(std::set(variable.axes.begin(), variable.axes.end()).size() == variable.axes.size(),
             variable.path + ": one axis twice; two equal axes need two names");
@@ -191,19 +185,17 @@ void ResultFile::Impl::create_objects(const Layout& layout) {
             variable.path + ": an integer cannot be missing");
     std::size_t count = 1;
     for (std::size_t i = 1; i < variable.axes.size(); ++i) {
-      const std::size_t labels = find_axis(variable.axes[i], variable.path).labels.size();
-      require(labels > 0, variable.path + ": only the first axis may be unlimited");
-      count *= labels;
+      const Axis& axis = find_axis(variable.axes[i], variable.path);
+      require(axis.fixed(), variable.path + ": only the first axis may be unlimited");
+      count *= axis.size();
     }
     widest[variable.axes[0]] = std::max(widest[variable.axes[0]], count);
   }
 
   std::map<std::string, Handle> scales;  // of the fixed axes
   for (const Axis& axis : layout.axes) {
-    if (!axis.labels.empty()) {
-      Handle scale = create.strings(axis.name, axis.labels, false, axis.long_name);
-      create.make_scale(scale, axis.name);
-      scales.emplace(axis.name, std::move(scale));
+    if (axis.fixed()) {
+      scales.emplace(axis.name, create.fixed_axis(axis));
       continue;
     }
     Track& track = tracks[axis.name];
@@ -216,7 +208,7 @@ void ResultFile::Impl::create_objects(const Layout& layout) {
     track.columns.push_back(std::move(column));
   }
   const auto scale_of = [&](const std::string& axis) -> hid_t {
-    return axes.at(axis)->labels.empty() ? tracks.at(axis).columns[0].dataset : scales.at(axis);
+    return axes.at(axis)->fixed() ? scales.at(axis) : tracks.at(axis).columns[0].dataset;
   };
 
   for (const Variable& variable : layout.variables) {
@@ -227,7 +219,7 @@ void ResultFile::Impl::create_objects(const Layout& layout) {
                   .first = track.row_size,
                   .extent = {1}};
     for (std::size_t i = 1; i < variable.axes.size(); ++i) {
-      column.extent.push_back(axes.at(variable.axes[i])->labels.size());
+      column.extent.push_back(axes.at(variable.axes[i])->size());
       column.count *= column.extent.back();
     }
     std::vector<hsize_t> chunk = column.extent, extent = column.extent;
@@ -241,9 +233,7 @@ void ResultFile::Impl::create_objects(const Layout& layout) {
     track.columns.push_back(std::move(column));
   }
   for (const StringList& list : layout.lists) {
-    const std::size_t labels = find_axis(list.axis, list.path).labels.size();
-    require(labels > 0 && labels == list.values.size(),
-            list.path + ": needs one string for each label of the fixed axis '" + list.axis + "'");
+    require_fits(list, find_axis(list.axis, list.path).size());
     const Handle made = create.strings(list.path, list.values, false, list.long_name);
     create.attach(made, list.path, scale_of(list.axis), 0);
   }
@@ -288,59 +278,6 @@ void ResultFile::Impl::close_file() {
   check(file.close(), "close");
 }
 
-void ResultFile::Impl::write_results(hid_t open_file, const std::string& status, const std::string& verdict,
-                                     const std::vector<VerdictRow>& rows,
-                                     const std::vector<Scalar>& scalars) const {
-  const Creator create(open_file, check);
-  if (!rows.empty()) {
-    std::vector<std::string> claims, equations, reasons;
-    for (const VerdictRow& row : rows) {
-      claims.push_back(row.claim);
-      equations.push_back(row.equation);
-      reasons.push_back(row.reason);
-    }
-    const Handle claim = create.strings("verdict/claim", claims, false, "claim checked along the trajectory");
-    create.make_scale(claim, "claim");
-    const auto along_claim = [&](const std::string& where, const std::vector<std::string>& values,
-                                 const std::string& long_name) {
-      create.attach(create.strings(where, values, false, long_name), where, claim, 0);
-    };
-    const auto numbers = [&]<class T>(const std::string& where, T VerdictRow::*member, Kind kind,
-                                      const std::string& unit, const std::string& long_name) {
-      std::vector<double> values;
-      for (const VerdictRow& row : rows) values.push_back(static_cast<double>(row.*member));
-      Handle made =
-          create.dataset(where, stored_type(kind), {rows.size()}, {}, kind == Kind::real, unit, long_name);
-      create.attach(made, where, claim, 0);
-      create.write(made, where, H5T_NATIVE_DOUBLE, values.data());
-      return made;
-    };
-    along_claim("verdict/equation", equations, "equation of the source that the claim checks");
-    numbers("verdict/worst", &VerdictRow::worst, Kind::real, "", "worst residual");
-    numbers("verdict/bound", &VerdictRow::bound, Kind::real, "", "bound at the worst residual");
-    numbers("verdict/at_time", &VerdictRow::at_time, Kind::real, "s", "time of the worst residual");
-    const Handle result =
-        numbers("verdict/result", &VerdictRow::result, Kind::small, "", "1 pass, 0 fail, -1 not applicable");
-    const std::int8_t flags[] = {-1, 0, 1};
-    create.number_attribute(result, "flag_values", H5T_STD_I8LE, H5T_NATIVE_INT8, flags);
-    create.text_attribute(result, "flag_meanings", "not_applicable fail pass");
-    numbers("verdict/undecided_steps", &VerdictRow::undecided_steps, Kind::integer, "",
-            "steps without a decision");
-    numbers("verdict/checked_steps", &VerdictRow::checked_steps, Kind::integer, "", "steps checked");
-    along_claim("verdict/reason", reasons, "why the result is what it is");
-  }
-  for (const Scalar& scalar : scalars) {
-    const Handle made =
-        create.dataset(scalar.path, H5T_IEEE_F64LE, {}, {}, true, scalar.unit, scalar.long_name);
-    create.write(made, scalar.path, H5T_NATIVE_DOUBLE, &scalar.value);
-  }
-  const Handle root = check(H5Gopen2(open_file, "/", H5P_DEFAULT), H5Gclose, "open the root group");
-  const Handle attribute = check(H5Aopen(root, "status", H5P_DEFAULT), H5Aclose, "open attribute", "status");
-  const char* const text = status.c_str();
-  check(H5Awrite(attribute, hdf5::string_type(), &text), "write attribute", "status");
-  if (!verdict.empty()) create.text_attribute(root, "verdict", verdict);
-}
-
 ResultFile::ResultFile(const path& file, const Layout& layout, bool force)
     : impl_(std::make_unique<Impl>(file, layout, force)) {}
 
@@ -371,11 +308,11 @@ void ResultFile::append(const std::string& axis, std::span<const double> row) {
 // The final changes are made in a copy that then takes the name, because HDF5 writes them in no safe order:
 // whenever the process is killed, the name bears either the unfinished file (which `recover` reads) or the
 // finished one. Where there is no room for a copy they are made in place.
-void ResultFile::finish(const std::string& status, const std::string& verdict,
-                        const std::vector<VerdictRow>& rows, const std::vector<Scalar>& scalars) {
+void ResultFile::finish(const std::string& status, const std::string& verdict, const Ending& ending) {
   Impl& impl = *impl_;
   if (impl.state != Impl::State::writing)
     throw std::logic_error("finish of a result file that is finished or could not be written");
+  const FixedAxes sizes = checked_axes(ending, impl.fixed);
   for (auto& [axis, track] : impl.tracks) impl.flush_rows(track);
   if (identity(impl.name) != impl.id)
     throw FileError(impl.check.file.string() + ": was replaced or removed by someone else during the run");
@@ -391,7 +328,7 @@ void ResultFile::finish(const std::string& status, const std::string& verdict,
     const path& target = copied ? temporary : impl.name;
     Handle file =
         impl.check(H5Fopen(target.c_str(), H5F_ACC_RDWR, hdf5::file_access(false)), H5Fclose, "reopen");
-    impl.write_results(file, status, verdict, rows, scalars);
+    write_ending(file, impl.check, status, verdict, ending, sizes);
     impl.check(file.close(), "close");
     if (copied) rename_or_fail(temporary, impl.name);
   } catch (...) {

@@ -16,13 +16,17 @@ struct FileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A dimension. A fixed one has one label for each element (its scale variable holds them as strings); an
-/// unlimited one has none and is itself a recorded variable (`unit`, `long_name`), for instance /time.
+/// A dimension. A fixed one has one label or one number for each element, which its scale variable holds; an
+/// unlimited one has neither and is itself a recorded variable, for instance /time.
 struct Axis {
-  std::string name;
-  std::vector<std::string> labels;  // fixed axis; empty: unlimited
-  std::string unit;                 // unlimited axis
-  std::string long_name;
+  std::string name;                 // "joint"; in an Ending it may lie in a group: "growth/bin_end"
+  std::vector<std::string> labels = {};  // fixed axis of names
+  std::string unit = {};                 // of coordinates, or of an unlimited axis
+  std::string long_name = {};
+  std::vector<double> coordinates = {};  // fixed axis of numbers, for instance frequencies in Hz
+
+  bool fixed() const { return size() > 0; }
+  std::size_t size() const { return labels.size() + coordinates.size(); }  // one of them is empty
 };
 
 enum class Kind { real /* float64 */, integer /* int64 */, small /* int8 */ };
@@ -49,7 +53,7 @@ struct StringList {
 
 struct Layout {
   std::string title;
-  std::vector<Axis> axes;
+  std::vector<Axis> axes;  // all in the root group; there may be no unlimited one
   std::vector<Variable> variables;
   std::vector<Text> texts;
   std::vector<StringList> lists;
@@ -70,6 +74,23 @@ struct Scalar {
   std::string unit, long_name;
 };
 
+/// Numbers along fixed axes, of the layout or of the same Ending.
+struct Table {
+  std::string path;
+  std::vector<std::string> axes;
+  std::string unit, long_name;
+  std::vector<double> values;  // row-major; NaN: missing, and if there is one, declared as _FillValue
+};
+
+/// What is known at the end only.
+struct Ending {
+  std::vector<VerdictRow> rows = {};
+  std::vector<Scalar> scalars = {};
+  std::vector<Axis> axes = {};  // fixed ones
+  std::vector<Table> tables = {};
+  std::vector<StringList> lists = {};  // along fixed axes, as the tables
+};
+
 class ResultFile {
  public:
   /// Creates the file. Throws FileError if it exists and `force` is false, or if it cannot be written.
@@ -87,10 +108,10 @@ class ResultFile {
   /// Values in one row of `append` along this axis.
   std::size_t row_size(const std::string& axis) const;
 
-  /// Writes the tail, leaves SWMR mode, reopens, writes /verdict, the scalars and the final root attributes
-  /// (status: complete | failed | interrupted; verdict: pass | fail | as_expected), closes.
-  void finish(const std::string& status, const std::string& verdict, const std::vector<VerdictRow>& rows,
-              const std::vector<Scalar>& scalars);
+  /// Writes the tail, leaves SWMR mode, reopens, writes /verdict, the rest of the ending and the final root
+  /// attributes (status: complete | failed | interrupted; verdict: pass | fail | as_expected), closes. Throws
+  /// std::invalid_argument, and changes nothing, if the ending does not fit the layout or itself.
+  void finish(const std::string& status, const std::string& verdict, const Ending& ending = {});
 
  private:
   struct Impl;

@@ -27,14 +27,21 @@ class BasicForwardDynamics {
     ground_ = builder_.ground(base);
   }
 
-  /// qdd for joint torques T (friction already subtracted) and the wrench F_ext on the tip.
-  void accelerations(std::span<const S> qd, std::span<const S> T, const Vec<Force, S>& F_ext,
-                     std::span<S> qdd) {
+  /// Sweep 1: afterwards the tip's velocity is known.
+  void move(std::span<const S> qd) { sweep_velocities(arm_, JointList<H>{order_, qd}, ground_, x_); }
+
+  /// qdd for joint torques T (friction already subtracted) and the wrench F_ext on the tip. After move().
+  void accelerations(std::span<const S> T, const Vec<Force, S>& F_ext, std::span<S> qdd) {
     for (int k = 1; k <= n(); ++k) x_[k].T0 = joint_entry<H>(order_, T, k);
-    sweep_velocities(arm_, JointList<H>{order_, qd}, ground_, x_);
     sweep_articulated(arm_, {}, F_ext, x_);
     sweep_accelerations(arm_, ground_, x_);
     for (int k = 1; k <= n(); ++k) set_joint_entry<H>(order_, qdd, k, x_[k].thdd);
+  }
+  /// Both.
+  void accelerations(std::span<const S> qd, std::span<const S> T, const Vec<Force, S>& F_ext,
+                     std::span<S> qdd) {
+    move(qd);
+    accelerations(T, F_ext, qdd);
   }
 
   const Vec<Motion, S>& tip_velocity() const { return x_[0].V; }

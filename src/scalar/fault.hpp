@@ -89,11 +89,15 @@ enum class Fault {
   plant_tip_bias,      // (8): + a(0)
   plant_wrench,        // wrench on the tip
   plant_friction,      // joint friction
+  contact_normal,      // normal force of a surface on the tip
+  contact_damping,     // damping of a surface
+  contact_friction,    // friction of a surface
   rotor_energy,        // kinetic energy of the rotors
   weight,              // potential energy of a link
   work,                // work of the joint torques
   // laws
   law_command,             // u in (4)
+  force_feedback,          // measured force in u
   law_rows,                // the last two task rows change places
   reference_acceleration,  // acceleration of the reference in u
   law_damping,             // D ed in u
@@ -180,10 +184,14 @@ inline constexpr std::array fault_names = {
     std::string_view{"plant_tip_bias"},
     std::string_view{"plant_wrench"},
     std::string_view{"plant_friction"},
+    std::string_view{"contact_normal"},
+    std::string_view{"contact_damping"},
+    std::string_view{"contact_friction"},
     std::string_view{"rotor_energy"},
     std::string_view{"weight"},
     std::string_view{"work"},
     std::string_view{"law_command"},
+    std::string_view{"force_feedback"},
     std::string_view{"law_rows"},
     std::string_view{"reference_acceleration"},
     std::string_view{"law_damping"},

@@ -1,41 +1,85 @@
 #include "simulation/closed_loop.hpp"
 
-#include "simulation/cvode.hpp"
+#include "simulation/integrator.hpp"
 
 namespace osculate {
+
+namespace {
+
+using Reason = IntegrationStopped::Reason;
+
+template <class Space>
+Vector6 to_vector6(const Vec<Space, double>& v) {
+  Vector6 out;
+  for (int i = 0; i < 6; ++i) out[i] = component(v, i);
+  return out;
+}
+
+Vec<Force, double> to_force(const Vector6& v) { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
+
+// A measure this many times above the threshold is taken from the law's last evaluation, which is near enough.
+constexpr double far_from_singular = 1e3;
+
+}  // namespace
 
 ClosedLoop::ClosedLoop(Controller controller, Plant plant)
     : controller_(std::move(controller)),
       plant_(std::move(plant)),
-      plant_dynamics_(plant_.chain.one_axis_joints() ? Dynamics(std::in_place_index<0>, plant_.chain)
-                                                     : Dynamics(std::in_place_index<1>, plant_.chain)),
+      plant_dynamics_(plant_.dense                     ? Dynamics(std::in_place_index<2>, plant_.chain)
+                      : plant_.chain.one_axis_joints() ? Dynamics(std::in_place_index<0>, plant_.chain)
+                                                       : Dynamics(std::in_place_index<1>, plant_.chain)),
       positions_(plant_.chain.positions()),
       velocities_(plant_.chain.velocities()),
       joints_(plant_.chain.links.size()),
       net_torque_(static_cast<std::size_t>(velocities_)),
+      computed_(net_torque_.size()),
+      held_(net_torque_.size()),
       derivative_(states()) {
-  for (int i = 0; i < 6; ++i) component(tip_force_, i) = plant_.tip_force[i];
   seen_.q.resize(static_cast<std::size_t>(positions_));
   for (auto* v : {&seen_.qd, &seen_.qdd, &seen_.torque}) v->resize(net_torque_.size());
 }
 
+void ClosedLoop::move(double t, const double* y) {
+  set_positions(plant_.chain, q(y), joints_);
+  std::visit(
+      [&](auto& dynamics) {
+        if (controller_.options().base_path) dynamics.move_base(base(t));
+        dynamics.place(joints_);
+        dynamics.move(qd(y));
+        seen_.tip_force = plant_.tip_force;
+        if (!plant_.environment) return;
+        const auto& p = dynamics.tip_position();
+        const auto v = dynamics.tip_velocity().lin;
+        seen_.touch = touch(*plant_.environment, {p.x, p.y, p.z}, {v.x, v.y, v.z}, modes_.contact);
+        seen_.tip_force += seen_.touch.wrench;
+      },
+      plant_dynamics_);
+}
+
 void ClosedLoop::control(double t, const double* y) {
+  const auto at = [t] { return " (t = " + std::to_string(t) + " s)"; };
   try {
-    controller_.torque(t, q(y), qd(y), seen_.torque);
-  } catch (const SingularTask& error) {
-    throw IntegrationStopped(IntegrationStopped::Reason::singular, error.what());
+    controller_.torque(t, q(y), qd(y), seen_.torque, seen_.tip_force);
+  } catch (const SingularArm& error) {
+    throw IntegrationStopped(Reason::singular, error.what());
   } catch (const RepresentationSingular& error) {
-    throw IntegrationStopped(IntegrationStopped::Reason::singular,
-                             std::string(error.what()) + " (t = " + std::to_string(t) + " s)");
+    throw IntegrationStopped(Reason::singular, error.what() + at());
+  } catch (const std::domain_error& error) {
+    throw IntegrationStopped(Reason::failed, error.what() + at());
   }
 }
 
-void ClosedLoop::sample(double t, std::span<const double> y) { control(t, y.data()); }
+void ClosedLoop::sample(double t, std::span<const double> y) {
+  move(t, y.data());
+  control(t, y.data());
+  computed_ = seen_.torque;
+}
 
 void ClosedLoop::right_side(double t, const double* y, double* yd) {
   const auto np = static_cast<std::size_t>(positions_), nv = static_cast<std::size_t>(velocities_);
+  move(t, y);
   if (!sampled()) control(t, y);
-  const std::span<const double> rates = qd(y), torque{seen_.torque};
+  const std::span<const double> rates = qd(y), torque{sampled() ? held_ : seen_.torque};
 
   double power = 0, loss = 0;  // W
   for (std::size_t i = 0; i < nv; ++i) {
@@ -44,13 +88,16 @@ void ClosedLoop::right_side(double t, const double* y, double* yd) {
     power += torque[i] * rates[i];
     loss += friction * rates[i];
   }
-  set_positions(plant_.chain, q(y), joints_);
+  const Vec<Force, double> push = to_force(seen_.tip_force);
+  const Vec<Force, double> constant_push = to_force(plant_.tip_force);
   std::visit(
       [&](auto& dynamics) {
-        if (controller_.options().base_path) dynamics.move_base(base(t));
-        dynamics.place(joints_);
-        dynamics.accelerations(rates, net_torque_, seeded(Fault::plant_wrench, tip_force_), {yd + np, nv});
-        yd[np + nv + 2] = dot(tip_force_, dynamics.tip_velocity());
+        dynamics.accelerations(net_torque_, seeded(Fault::plant_wrench, push), {yd + np, nv});
+        yd[np + nv + 2] = dot(constant_push, dynamics.tip_velocity());
+        // The surface stores energy and loses it; neither is counted through the wrench that it gives.
+        const auto v = dynamics.tip_velocity().lin;
+        if (plant_.environment)
+          loss += lost_power(*plant_.environment, seen_.touch, {v.x, v.y, v.z}, modes_.contact);
       },
       plant_dynamics_);
   position_rates(plant_.chain, q(y), rates, {yd, np});
@@ -58,22 +105,88 @@ void ClosedLoop::right_side(double t, const double* y, double* yd) {
   yd[np + nv + 1] = loss;
 }
 
+bool ClosedLoop::watches_singularity() const {
+  const LawOptions& law = controller_.options();
+  const bool truncates = law.singularity.policy == SingularPolicy::truncated;
+  return law.law != Law::free && !sampled() && (truncates || law.singularity.policy == SingularPolicy::none);
+}
+
+int ClosedLoop::event_count() const {
+  const LawOptions& law = controller_.options();
+  int count = static_cast<int>(law.obstacles.size()) + (plant_.environment ? 2 : 0);
+  if (watches_singularity())
+    count += law.singularity.policy == SingularPolicy::none ? 1 : static_cast<int>(law.rows.size());
+  return count;
+}
+
+void ClosedLoop::events(double t, const double* y, double* g) {
+  const LawOptions& law = controller_.options();
+  if (plant_.environment || !law.obstacles.empty()) move(t, y);
+  if (plant_.environment) {
+    *g++ = seen_.touch.gap;
+    *g++ = seen_.touch.pressure;
+  }
+  std::visit(
+      [&](const auto& dynamics) {
+        for (const Obstacle& obstacle : law.obstacles) {
+          const auto& p = dynamics.tip_position();
+          *g++ = distance(obstacle, {p.x, p.y, p.z}) - obstacle.influence;
+        }
+      },
+      plant_dynamics_);
+  if (!watches_singularity()) return;
+  const double threshold = law.singularity.threshold;
+  if (law.singularity.policy == SingularPolicy::none) {
+    double measure = controller_.last_measure();
+    if (measure < far_from_singular * threshold)
+      measure = smooth_measure(controller_.compliance(t, q(y), qd(y)), law.rows);
+    *g = measure - threshold;
+    return;
+  }
+  const SingularTask task(law.singularity, controller_.compliance(t, q(y), qd(y)), law.rows);
+  for (std::size_t i = 0; i < law.rows.size(); ++i) *g++ = task.eigenvalues()[i] - threshold;
+}
+
+bool ClosedLoop::switch_modes(double t, std::span<const double> y) {
+  Modes next;
+  move(t, y.data());
+  next.contact = plant_.environment && touches(seen_.touch);
+  const LawOptions& law = controller_.options();
+  if (watches_singularity()) {
+    const Compliance<double>& Omega = controller_.compliance(t, q(y.data()), qd(y.data()));
+    const double threshold = law.singularity.threshold;
+    if (law.singularity.policy == SingularPolicy::none) {
+      // An event is located to rounding, on either side of the threshold.
+      if (smooth_measure(Omega, law.rows) <= threshold * (1 + 1e-6))
+        throw IntegrationStopped(Reason::singular, controller_.singular_message(t, Omega));
+    } else {
+      const SingularTask task(law.singularity, Omega, law.rows);
+      while (next.truncated < static_cast<int>(law.rows.size()) &&
+             task.eigenvalues()[static_cast<std::size_t>(next.truncated)] < threshold)
+        ++next.truncated;
+    }
+  }
+  const bool changed = !(next == modes_);
+  set_modes(next);
+  return changed;
+}
+
+void ClosedLoop::set_modes(const Modes& modes) {
+  modes_ = modes;
+  controller_.set_truncated(modes.truncated);
+}
+
 bool ClosedLoop::plant_is_model() const {
   const LawOptions& law = controller_.options();
-  if (!(plant_.chain == controller_.model()) || plant_.tip_force != law.known_tip_force) return false;
+  const bool pushed = plant_.environment || !plant_.tip_force.isZero(0);
+  if (!(plant_.chain == controller_.model()) || (pushed && !law.know_tip_force)) return false;
   const std::vector<JointFriction> none(net_torque_.size());
   const auto or_none = [&none](const std::vector<JointFriction>& f) { return f.empty() ? none : f; };
   return or_none(plant_.friction) == (law.compensate_friction ? or_none(controller_.friction()) : none);
 }
 
 Vector6 ClosedLoop::plant_tip_velocity() const {
-  return std::visit(
-      [](const auto& dynamics) {
-        Vector6 V;
-        for (int i = 0; i < 6; ++i) V[i] = component(dynamics.tip_velocity(), i);
-        return V;
-      },
-      plant_dynamics_);
+  return std::visit([](const auto& dynamics) { return to_vector6(dynamics.tip_velocity()); }, plant_dynamics_);
 }
 
 const Observation& ClosedLoop::observe(double t, std::span<const double> y) {
@@ -83,12 +196,15 @@ const Observation& ClosedLoop::observe(double t, std::span<const double> y) {
   std::copy_n(y.begin() + positions_, nv, seen_.qd.begin());
   right_side(t, y.data(), derivative_.data());
   std::copy_n(derivative_.begin() + positions_, nv, seen_.qdd.begin());
+  if (sampled()) seen_.torque = held_;
   seen_.command = sampled() ? controller_.look(t, seen_.q, seen_.qd) : controller_.last();
   std::visit(
       [&](const auto& dynamics) {
-        for (int i = 0; i < 6; ++i) seen_.tip_acceleration[i] = component(dynamics.tip_acceleration(), i);
+        seen_.tip_acceleration = to_vector6(dynamics.tip_acceleration());
         seen_.kinetic = dynamics.kinetic_energy(seen_.qd);
         seen_.potential = dynamics.potential_energy();
+        if (plant_.environment)
+          seen_.potential += stored_energy(*plant_.environment, seen_.touch, modes_.contact);
       },
       plant_dynamics_);
   seen_.work = y[np + nv];

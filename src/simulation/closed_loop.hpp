@@ -1,23 +1,31 @@
 // The true arm under its controller as y' = f(t, y).
 // y = (q, qd, work, dissipated, external): joint position and velocity coordinates base to tip, then three
-// energies in J: work of the joint torques, energy lost in joint friction, work of the external wrench on the
-// tip.
+// energies in J: work of the joint torques, energy lost in joint friction and at a surface, work of the
+// constant wrench on the tip.
+//
+// Between events f is smooth. What switches it is a mode: whether the tip is in contact, and how many
+// directions a truncating law leaves out. Modes change only where `switch_modes` is called.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <variant>
 #include <vector>
 
 #include "control/law.hpp"
 #include "recursion/forward_dynamics.hpp"
+#include "simulation/contact.hpp"
+#include "simulation/dense_plant.hpp"
 
 namespace osculate {
 
 /// The arm as it really is; its controller may believe something else.
 struct Plant {
   Chain<double> chain;
-  std::vector<JointFriction> friction;  // for each velocity coordinate; empty: none
-  Vector6 tip_force = Vector6::Zero();  // N m, N: wrench on the tip, inertial axes, about the tip point
+  std::vector<JointFriction> friction;    // for each velocity coordinate; empty: none
+  Vector6 tip_force = Vector6::Zero();    // N m, N: constant wrench on the tip, inertial axes, about the tip point
+  std::optional<Environment> environment;  // a surface that the tip may touch
+  bool dense = false;                      // accelerations by the definitions instead of the recursion
 };
 
 /// Everything worth recording at one instant. Inertial frame, about the tip point, angular part first; joints
@@ -27,8 +35,16 @@ struct Observation {
   std::vector<double> q, qd, qdd, torque;
   Command command;
   Vector6 tip_acceleration = Vector6::Zero();          // of the plant, by its own recursion
+  Vector6 tip_force = Vector6::Zero();                 // N m, N: all that pushes the tip
+  Touch touch;                                         // of the tip at the surface; zero gap without one
   double kinetic = 0, potential = 0;                   // J
   double work = 0, dissipated = 0, external_work = 0;  // J, since the start
+};
+
+struct Modes {
+  bool contact = false;
+  int truncated = 0;  // directions that policy truncated leaves out
+  bool operator==(const Modes&) const = default;
 };
 
 class ClosedLoop {
@@ -45,13 +61,24 @@ class ClosedLoop {
 
   /// The law acts at sample times only; its torque is held in between.
   bool sampled() const { return controller_.options().sampling.has_value(); }
-  /// One sample of such a law: the torque held from now on. Throws IntegrationStopped where the arm is
-  /// singular.
+  /// One sample of such a law: the torque that the next apply() puts on the joints. Throws IntegrationStopped
+  /// where the law has no answer.
   void sample(double t, std::span<const double> y);
+  void apply() { held_ = computed_; }
 
-  /// y' = f(t, y). Throws IntegrationStopped where the arm is singular. Uses this object's workspace: one
+  /// y' = f(t, y). Throws IntegrationStopped where the law has no answer. Uses this object's workspace: one
   /// object for each integrator.
   void right_side(double t, const double* y, double* yd);
+
+  /// Functions whose zeros are events: gap and pressure of a surface, the rim of each obstacle's field, and of
+  /// a law that acts at every instant what its singularity policy looks at.
+  int event_count() const;
+  void events(double t, const double* y, double* g);
+  /// The modes that (t, y) asks for become those of f. True if any changed. Throws IntegrationStopped where the
+  /// arm is as singular as the law allows.
+  bool switch_modes(double t, std::span<const double> y);
+  const Modes& modes() const { return modes_; }
+  void set_modes(const Modes& modes);
 
   /// The closed loop at (t, y) in full, by the lines that right_side runs. Valid until the next call.
   const Observation& observe(double t, std::span<const double> y);
@@ -61,7 +88,7 @@ class ClosedLoop {
   const Plant& plant() const { return plant_; }
   BaseMotion<double> base(double t) const { return base_motion(controller_.options().base_path.get(), t); }
   /// True if the controller believes the truth: the same arm, friction compensated exactly, the wrench on the
-  /// tip known. Then (5) must hold.
+  /// tip known. Then (5) must hold for a law that is (4).
   bool plant_is_model() const;
   /// Joint torque minus friction that the plant felt in the last evaluation, base to tip.
   std::span<const double> net_torque() const { return net_torque_; }
@@ -69,19 +96,23 @@ class ClosedLoop {
   Vector6 plant_tip_velocity() const;
 
  private:
-  using Dynamics = std::variant<BasicForwardDynamics<Hinge<double>>, BasicForwardDynamics<Joint<double>>>;
+  using Dynamics =
+      std::variant<BasicForwardDynamics<Hinge<double>>, BasicForwardDynamics<Joint<double>>, DensePlant>;
 
+  /// Places and moves the plant's links; what pushes the tip there.
+  void move(double t, const double* y);
   /// The law's torque at (t, y), with its refusals as IntegrationStopped.
   void control(double t, const double* y);
+  bool watches_singularity() const;
 
   Controller controller_;
   Plant plant_;
   Dynamics plant_dynamics_;
   int positions_, velocities_;
-  Vec<Force, double> tip_force_;
+  Modes modes_;
   std::vector<JointPosition<double>> joints_;
-  std::vector<double> net_torque_;
-  Observation seen_;  // seen_.torque is what a sampled law holds
+  std::vector<double> net_torque_, computed_, held_;  // computed_ and held_: of a sampled law
+  Observation seen_;
   std::vector<double> derivative_;
 };
 

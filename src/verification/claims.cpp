@@ -221,7 +221,7 @@ Residuals assess(const Evidence& e) {
         Claim::c_plus_g, weighted(r.c_plus_g, e.terms.c + e.terms.g, scale.Lambda * (scale.c + scale.g), d),
         condition);
   }
-  if (!e.controlled) return out;
+  if (!e.controlled && !e.linearized) return out;
 
   // torque (16), with the null-space torque T0 projected: T = T0 + J* Lambda (u + right side - J M^-1 T0)
   const auto& model = e.model.joint;
@@ -234,10 +234,11 @@ Residuals assess(const Evidence& e) {
   const Vector T_scale = e.T0.cwiseAbs() + Jt.cwiseAbs() * (scale.Lambda * right + known.cwiseAbs());
   const Vector joint_weight = model.M.diagonal().cwiseSqrt().cwiseInverse();
   const Vector T = e.delayed_torque.size() > 0 ? e.delayed_torque : Vector(e.T0 + Jt * F);
-  at(Claim::torque) = bounded(Claim::torque, weighted(e.T, T, T_scale, joint_weight), condition);
+  const Residual torque = bounded(Claim::torque, weighted(e.T, T, T_scale, joint_weight), condition);
+  if (e.controlled) at(Claim::torque) = torque;
 
   // What the torque adds to J* (Lambda u + c + g) must not move the tip: J M^-1 (T - J* F) = 0
-  if (e.T0.cwiseAbs().maxCoeff() > 0 && e.delayed_torque.size() == 0) {
+  if (e.controlled && e.T0.cwiseAbs().maxCoeff() > 0 && e.delayed_torque.size() == 0) {
     const Vector task_force = e.terms.Lambda * e.u + e.terms.c + e.terms.g - known;
     const Vector rest = e.task.J * dense::solve(dense::factor(model.M), Vector(e.T - Jt * task_force));
     const Vector rest_scale = e.task.J.cwiseAbs() * scale.Minv * (e.T0.cwiseAbs() + T_scale);
@@ -251,12 +252,13 @@ Residuals assess(const Evidence& e) {
   const Vector reach_scale =
       d * d.dot(F.cwiseAbs()) + right;  // rounding in Omega(i,j) is relative to d_i d_j
   // Where the condition of Omega leaves no digit of F, (5) says nothing: undecided, as the torque is.
-  if (!(at(Claim::torque).bound <= undecided_bound)) {
-    at(Claim::linearization) = {0, at(Claim::torque).bound, true};
+  if (!(torque.bound <= undecided_bound)) {
+    at(Claim::linearization) = {0, torque.bound, true};
     return out;
   }
   at(Claim::linearization) =
-      bounded(Claim::linearization, weighted(reached, e.u, reach_scale, d.cwiseInverse()), spread_of_Omega);
+      bounded(Claim::linearization, weighted(reached, e.u, reach_scale, d.cwiseInverse()),
+              e.one_solve ? spread_of_Omega : condition);
   if (e.chart) at(Claim::coordinates) = coordinates(e, reach_scale, spread_of_Omega);
   return out;
 }

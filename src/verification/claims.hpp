@@ -35,8 +35,11 @@ enum class Claim {
   energy,
   analytic_response,
   decoupling,
+  frequency_response,
+  poles,
+  force_response,
 };
-inline constexpr std::size_t claim_count = 14;
+inline constexpr std::size_t claim_count = 17;
 
 struct ClaimInfo {
   std::string_view id, equation, compared_with;
@@ -56,6 +59,9 @@ inline constexpr std::array<ClaimInfo, claim_count> claim_table{{
     {"energy", "power balance", "E - E(0) = work - dissipation"},
     {"analytic_response", "(5) with the error law", "closed-form solution of the commanded linear system"},
     {"decoupling", "(5) with the error law", "no motion along axes that were not commanded"},
+    {"frequency_response", "(5) without feed-forward", "K / (K - w^2 + j D w) at every frequency"},
+    {"poles", "(5) with the error law", "roots of s^2 + D s + K"},
+    {"force_response", "(5) in contact", "closed-form depth and pressure of the commanded linear system"},
 }};
 constexpr std::size_t index(Claim claim) { return static_cast<std::size_t>(claim); }
 
@@ -80,8 +86,9 @@ struct Evidence {
   VectorX<double> T0, net_torque;             // null-space torque; torque on the plant without friction
   Vector6 tip_force = Vector6::Zero();        // on the plant
   Vector6 known_tip_force = Vector6::Zero();  // what the law knows of it
-  bool controlled = true;                     // false: the law does not act at this instant, or never
+  bool controlled = true;  // false: the law does not act at this instant, or never, or not by (4)
   bool linearized = true;                     // false: (5) need not hold
+  bool one_solve = true;  // F comes from one solve with Omega, (4); false: from an explicit inverse
   BaseMotion<double> base;                    // at rest unless the experiment moves it
   double reach = 1;                           // m, sum of the link offsets
   Vector3<double> gravity = Vector3<double>::Zero();  // m/s^2

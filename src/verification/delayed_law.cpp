@@ -14,7 +14,8 @@ Vector6 turned(const Matrix3<double>& R, const Vector6& v) {
 }  // namespace
 
 VectorX<double> DelayedLaw::torque(std::span<const double> q, const VectorX<double>& qd,
-                                   const VectorX<double>& u, const VectorX<double>& T0) {
+                                   const VectorX<double>& u, const VectorX<double>& T0,
+                                   const Vector6& tip_force) {
   const auto joints = positions(model_, q);
   const dense::Operators<double> x = dense::operators(model_, joints, qd);
   const auto state = dense::state(model_, joints, qd);
@@ -66,7 +67,7 @@ VectorX<double> DelayedLaw::torque(std::span<const double> q, const VectorX<doub
     return out;
   };
   const VectorX<double> forces =
-      base_first(C_tip_first) + state.joint.G - T0 - state.tip.J.transpose() * options_.known_tip_force;
+      base_first(C_tip_first) + state.joint.G - T0 - state.tip.J.transpose() * tip_force;
   const auto task = dense::mobility(state.tip, state.joint, options_.rows);
   const VectorX<double> right =
       u + task.J * dense::solve(dense::factor(state.joint.M), forces) - Jdot_qd(options_.rows);

@@ -14,8 +14,9 @@ class DelayedLaw {
   DelayedLaw(const Chain<double>& model, const LawOptions& options) : model_(model), options_(options) {}
 
   /// J* F + T0 (base to tip) of the next sample. u: on the task rows. Call once for each sample, in order.
+  /// tip_force: the wrench on the tip that the law knows.
   VectorX<double> torque(std::span<const double> q, const VectorX<double>& qd, const VectorX<double>& u,
-                         const VectorX<double>& T0);
+                         const VectorX<double>& T0, const Vector6& tip_force);
 
  private:
   /// a(1) ... a(n), a(0), b(1) ... b(n): n + 1 accelerations and n forces, six numbers each.

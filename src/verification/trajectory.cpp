@@ -21,6 +21,10 @@ double ratio(double value, double bound) {
   return value == 0 ? 0 : std::numeric_limits<double>::infinity();
 }
 
+bool none_of(const std::array<bool, 6>& rows) {
+  return std::none_of(rows.begin(), rows.end(), [](bool b) { return b; });
+}
+
 double total_energy(const Observation& seen) { return seen.kinetic + seen.potential; }
 double supplied(const Observation& seen) { return seen.work - seen.dissipated + seen.external_work; }
 
@@ -29,7 +33,11 @@ double supplied(const Observation& seen) { return seen.work - seen.dissipated + 
 void GlobalError::add(const Observation& run, const Observation& shadow) {
   known = true;
   const Pose &a = run.command.tip, &b = shadow.command.tip;
-  position = std::max(position, (a.p - b.p).norm());
+  position_now = (a.p - b.p).norm();
+  position = std::max(position, position_now);
+  velocity = std::max(velocity, (run.command.tip_velocity - shadow.command.tip_velocity).tail<3>().norm());
+  for (std::size_t i = 0; i < run.q.size(); ++i)
+    joints = std::max(joints, std::abs(run.q[i] - shadow.q[i]));
   orientation = std::max(orientation, log_rotation(a.R * b.R.transpose()).norm());
   energy =
       std::max(energy, std::abs(total_energy(run) - total_energy(shadow)) + std::abs(run.work - shadow.work) +
@@ -56,15 +64,23 @@ TrajectoryClaims::TrajectoryClaims(const ClosedLoop& loop, const Observation& st
   const bool own[] = {options_.orientation != OrientationCoordinates::rotation_vector,
                       options_.position != PositionCoordinates::cartesian};
   for (const int row : options_.rows) controlled_rows_[static_cast<std::size_t>(row)] = !own[row / 3];
+  if (options_.force)
+    for (const int row : options_.force->rows) controlled_rows_[static_cast<std::size_t>(row)] = false;
+  pushed_ = loop.plant().environment || !loop.plant().tip_force.isZero(0);
   const int angular = controlled_rows_[0] + controlled_rows_[1] + controlled_rows_[2];
   angular_ = angular == 0 || angular == 3;
-  const auto commanded = path_->commanded();
+  commanded_ = path_->commanded_from(0);
   for (std::size_t i = 0; i < 6; ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const double zero = rounding() * (i < 3 ? 1 : reach_);  // rad, m, and per second
-    uncommanded_[i] = controlled_rows_[i] && !commanded[i] && std::abs(segment_.e[row]) <= zero &&
-                      std::abs(segment_.ed[row]) <= zero;
+    clean_[i] = commanded_[i] || (std::abs(segment_.e[row]) <= zero && std::abs(segment_.ed[row]) <= zero);
   }
+}
+
+std::array<bool, 6> TrajectoryClaims::uncommanded() const {
+  std::array<bool, 6> out{};
+  for (std::size_t i = 0; i < 6; ++i) out[i] = controlled_rows_[i] && !commanded_[i] && clean_[i];
+  return out;
 }
 
 double TrajectoryClaims::rounding() const { return 16 * (joints_ + 1) * eps; }
@@ -74,13 +90,18 @@ std::string TrajectoryClaims::reason(Claim claim) const {
     return options_.base_path ? "the drive of the moving base does work that is not measured" : "";
   if (!controlled_) return "no tip command in a free swing";
   if (options_.sampling) return "a sampled law is not the continuous one that the closed form solves";
-  if (std::none_of(controlled_rows_.begin(), controlled_rows_.end(), [](bool b) { return b; }))
-    return "the law tracks coordinates of its own: see the claim coordinates";
+  if (none_of(controlled_rows_))
+    return options_.force ? "no row is under position control"
+                          : "the law tracks coordinates of its own: see the claim coordinates";
   if (!plant_is_model_) return "plant and model differ on purpose";
+  if (const std::string part = omission(options_); !part.empty()) return "the law omits " + part + " on purpose";
+  if (!options_.feedforward && path_->moves())
+    return "without feed-forward the reference drives the error";
+  if (!options_.obstacles.empty()) return "the field of an obstacle acts on u";
+  if (options_.virtual_inertia && pushed_) return "the wrench on the tip acts on u";
+  if (left_the_law_) return "a singularity policy or a torque limit acted";
   if (!angular_) return "only part of the rotation is controlled: its rows do not decouple";
-  if (claim == Claim::decoupling &&
-      std::none_of(uncommanded_.begin(), uncommanded_.end(), [](bool b) { return b; }))
-    return "every controlled axis is commanded";
+  if (claim == Claim::decoupling && none_of(uncommanded())) return "every controlled axis is commanded";
   return "";
 }
 
@@ -108,6 +129,7 @@ void TrajectoryClaims::restart_at(double t) {
       E.transpose() * (before.velocity.head(3) - left_jacobian(exact.e.head(3)) * exact.ed.head(3));
   segment_ = pose_error(after, tip, velocity);
   segment_start_ = t;
+  commanded_ = path_->commanded_from(t);
 }
 
 Residual TrajectoryClaims::energy(const Observation& seen, const GlobalError& error) {
@@ -180,8 +202,11 @@ Residuals TrajectoryClaims::assess(const Observation& seen, const GlobalError& e
   Residuals out;
   out.fill({0, 0, false});
   if (reason(Claim::energy).empty()) out[index(Claim::energy)] = energy(seen, error);
+  left_the_law_ = left_the_law_ || seen.command.filtered || seen.command.saturated;
+  off_.reset();
   if (!reason(Claim::analytic_response).empty()) return out;
   const Vector6 off = seen.command.error.e - exact_error(seen.t).e;
+  off_ = off;
   out[index(Claim::analytic_response)] = pose_residual(off, controlled_rows_, error);
   if (controlled_rows_[3] || controlled_rows_[4] || controlled_rows_[5]) {
     double squares = 0;
@@ -191,7 +216,7 @@ Residuals TrajectoryClaims::assess(const Observation& seen, const GlobalError& e
   }
   if (controlled_rows_[0]) worst_orientation_ = std::max(worst_orientation_, off.head(3).norm());
   if (reason(Claim::decoupling).empty())
-    out[index(Claim::decoupling)] = pose_residual(seen.command.error.e, uncommanded_, error);
+    out[index(Claim::decoupling)] = pose_residual(off, uncommanded(), error);
   return out;
 }
 

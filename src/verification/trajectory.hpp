@@ -7,6 +7,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 
 #include "control/linear_response.hpp"
 #include "simulation/closed_loop.hpp"
@@ -18,6 +19,9 @@ namespace osculate {
 struct GlobalError {
   double position = 0;     // m, tip point
   double orientation = 0;  // rad, tip
+  double velocity = 0;     // m/s, tip point
+  double joints = 0;       // rad and m together: largest difference of a joint position
+  double position_now = 0;  // m, tip point, at the last checked step alone
   double energy = 0;       // J, sum over kinetic + potential, work, dissipated and external work
   double imbalance = 0;    // J, of their balance, in which the errors of work and loss mostly cancel
   bool known = false;      // false without a shadow run
@@ -49,6 +53,12 @@ class TrajectoryClaims {
   /// Why a claim does not apply, or "".
   std::string reason(Claim claim) const;
 
+  /// Rows that the reference moves in the present segment.
+  const std::array<bool, 6>& commanded() const { return commanded_; }
+  /// Error minus the error of the closed-form solution, at the last assessed instant; rad, m. Nothing where the
+  /// claim analytic_response does not apply.
+  const std::optional<Vector6>& off() const { return off_; }
+
   /// Largest distance of the tip from the closed-form solution so far: m, rad.
   double worst_position() const { return worst_position_; }
   double worst_orientation() const { return worst_orientation_; }
@@ -56,6 +66,8 @@ class TrajectoryClaims {
  private:
   /// Rounding of forward kinematics and energies, relative to 1 rad, to the reach and to the terms summed.
   double rounding() const;
+  /// Controlled rows that the reference does not move now and that started with no error.
+  std::array<bool, 6> uncommanded() const;
   /// Error that the closed-form solution has at time t.
   PoseError exact_error(double t) const;
   Residual energy(const Observation& seen, const GlobalError& error);
@@ -68,8 +80,11 @@ class TrajectoryClaims {
   Pose initial_;
   double reach_ = 1;
   int joints_ = 1;
-  bool controlled_ = true, plant_is_model_ = true, angular_ = true;
-  std::array<bool, 6> controlled_rows_{}, uncommanded_{};
+  bool controlled_ = true, plant_is_model_ = true, pushed_ = false, angular_ = true;
+  bool left_the_law_ = false;  // a singularity policy or a torque limit has acted
+  std::array<bool, 6> controlled_rows_{}, commanded_{};
+  std::array<bool, 6> clean_{};  // rows that start with no error
+  std::optional<Vector6> off_;
   double segment_start_ = 0;
   PoseError segment_;
   double energy_start_ = 0, potential_start_ = 0;  // J

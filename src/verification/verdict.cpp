@@ -55,6 +55,19 @@ std::array<ClaimResult, claim_count> Verdict::results(
   return out;
 }
 
+void judge(ClaimResult& once) {
+  once.outcome = Outcome::fail;
+  once.reason.clear();
+  if (!(once.worst.bound <= undecided_bound)) {
+    once.reason = "undecided: the bound is above 1e-3";
+    once.undecided_steps = 1;
+  } else if (!(once.worst.value <= once.worst.bound)) {
+    once.reason = "residual above its bound";
+  } else {
+    once.outcome = Outcome::pass;
+  }
+}
+
 std::string verdict_table(const std::array<ClaimResult, claim_count>& results) {
   std::string out =
       "claim              equation                 worst      bound      at time   undecided  result\n";

@@ -35,6 +35,9 @@ class Verdict {
 /// More than this share of undecided steps fails a claim.
 inline constexpr double undecided_share = 0.01;
 
+/// Outcome and reason of a claim that was judged once, from its worst residual and bound.
+void judge(ClaimResult& once);
+
 /// The table as text, one line for each claim.
 std::string verdict_table(const std::array<ClaimResult, claim_count>& results);
 

@@ -1,5 +1,6 @@
 #include "control/reference.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -68,6 +69,8 @@ TEST_CASE("step jumps at its time and moves at no other") {
   CHECK(path->at(5).ydd == Vector6::Zero());
   CHECK(path->commanded() == std::array<bool, 6>{false, true, false, true, false, false});
   CHECK(path->breakpoints() == std::vector<double>{2});
+  CHECK(path->commanded_from(0) == std::array<bool, 6>{});
+  CHECK(path->commanded_from(2) == path->commanded());
   const auto at_once = make_path(StepOptions{offset, 0});
   CHECK(at_once->at(0).y == offset);
   CHECK(at_once->breakpoints().empty());
@@ -135,6 +138,101 @@ TEST_CASE("Lissajous: starts at the tip, derivatives, period of each row") {
   CHECK(path->commanded() == std::array<bool, 6>{true, true, true, true, true, true});
 }
 
+TEST_CASE("each axis: jumps there and back on one row after the other, again and again") {
+  const Vector6 amplitude = vector6(0, 0.3, 0, -0.1, 0, 0.2);
+  const double period = 0.7;  // its multiples are rounded
+  const auto path = make_path(EachAxisOptions{amplitude, period}, 4.3);
+  const std::array<int, 3> rows{1, 3, 5};
+  std::vector<double> expected;
+  for (int half = 1; half <= 12; ++half) expected.push_back(half * (period / 2));  // 4.2 s is the last
+  CHECK(path->breakpoints() == expected);
+  CHECK(path->at(0).y == Vector6(0.3 * Vector6::Unit(1)));
+  for (int half = 0; half <= 12; ++half) {
+    const double begin = half == 0 ? 0 : expected[half - 1], end = (half + 1) * (period / 2);
+    const int row = rows[half / 2 % 3];
+    const Vector6 y = (half % 2 == 0 ? amplitude[row] : 0) * Vector6::Unit(row);
+    std::array<bool, 6> alone{};
+    alone[row] = true;
+    for (const double t : {begin, (begin + end) / 2, std::nextafter(end, 0.0)}) {
+      INFO("t " << t);
+      CHECK(path->at(t).y == y);
+      CHECK(path->at(t).yd == Vector6::Zero());
+      CHECK(path->at(t).ydd == Vector6::Zero());
+      CHECK(path->commanded_from(t) == alone);
+    }
+  }
+  CHECK(path->commanded() == std::array<bool, 6>{false, true, false, true, false, true});
+  CHECK(path->at(-1e-9).y == Vector6::Zero());
+  CHECK(path->commanded_from(-1e-9) == std::array<bool, 6>{});
+  // A jump at the very end is outside the run.
+  CHECK(make_path(EachAxisOptions{amplitude, 2}, 3)->breakpoints() == std::vector<double>{1, 2});
+  const auto nothing = make_path(EachAxisOptions{}, 10);
+  CHECK(nothing->at(3).y == Vector6::Zero());
+  CHECK(nothing->breakpoints().empty());
+  CHECK(nothing->commanded_from(3) == std::array<bool, 6>{});
+}
+
+TEST_CASE("each axis: value changes exactly at its breakpoints") {
+  for (const double period : {0.1, 0.3, 1.0 / 3, 4.0, 3.141592653589793}) {
+    const auto path = make_path(EachAxisOptions{Vector6::Ones(), period}, 400 * period);
+    int wrong = 0;
+    const auto jumps = path->breakpoints();
+    CHECK(jumps.size() == 799);
+    for (const double t : jumps) wrong += path->at(t).y == path->at(std::nextafter(t, 0.0)).y;
+    for (const double t : jumps) wrong += path->at(t).y != path->at(std::nextafter(t, 1e9)).y;
+    CHECK(wrong == 0);
+  }
+}
+
+TEST_CASE("multisine: starts at the tip, derivatives, periodic, its peak below the sum of amplitudes") {
+  for (int row = 0; row < 6; ++row) {
+    const auto path = make_path(MultisineOptions{row, 0.02, {0.25, 0.5, 0.75}});
+    CHECK(path->at(0).y == Vector6::Zero());
+    check_derivatives(*path, {0, 0.4, 1.9, 3.3}, 0.02);
+    const auto here = path->at(0.3), later = path->at(4.3);
+    CHECK(here.y[row] != 0);
+    // An angle of 20 rad is wrong by 2 eps of it.
+    CHECK(std::abs(here.y[row] - later.y[row]) <= 3 * 0.02 * 40 * eps);
+    std::array<bool, 6> alone{};
+    alone[row] = true;
+    CHECK(path->commanded() == alone);
+    CHECK(path->commanded_from(1) == alone);
+    for (int i = 0; i < 6; ++i)
+      if (i != row) CHECK((here.y[i] == 0 && here.yd[i] == 0 && here.ydd[i] == 0));
+  }
+  for (const std::vector<double>& frequencies :
+       {MultisineOptions{}.frequencies, {1, 2}, {1, 2, 3}, {0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4}}) {
+    const auto path = make_path(MultisineOptions{4, 1, frequencies});
+    double peak = 0;
+    for (double t = 0; t < 2; t += 1e-3) peak = std::max(peak, std::abs(path->at(t).y[4]));
+    INFO(frequencies.size() << " sines");
+    CHECK(peak < static_cast<double>(frequencies.size()));
+    CHECK(peak > 1);
+  }
+  CHECK(make_path(MultisineOptions{2, 0, {1}})->commanded() == std::array<bool, 6>{});
+}
+
+TEST_CASE("multisine: every sine has the amplitude, phases after Schroeder whatever the order") {
+  const double amplitude = 0.5;
+  const std::vector<double> frequencies{1, 2, 3, 4};
+  const auto path = make_path(MultisineOptions{3, amplitude, frequencies});
+  const auto shuffled = make_path(MultisineOptions{3, amplitude, {3, 1, 4, 2}});
+  const double pi = 3.141592653589793;
+  for (int k = 1; k <= 4; ++k) {
+    // Fourier coefficients over one period by 64 samples, exact for 4 harmonics.
+    double c = 0, s = 0;
+    for (int i = 0; i < 64; ++i) {
+      const double y = path->at(i / 64.0).y[3];
+      CHECK(y == shuffled->at(i / 64.0).y[3]);
+      c += y * std::cos(2 * pi * k * i / 64) / 32;
+      s += y * std::sin(2 * pi * k * i / 64) / 32;
+    }
+    const double phase = -pi * k * (k - 1) / 4;
+    CHECK(std::abs(s - amplitude * std::cos(phase)) <= 64 * eps);
+    CHECK(std::abs(c - amplitude * std::sin(phase)) <= 64 * eps);
+  }
+}
+
 TEST_CASE("tip reference: pose, angular velocity and acceleration are consistent") {
   const auto path = make_path(lissajous);
   Pose initial;
@@ -192,4 +290,18 @@ TEST_CASE("options that cannot be used are named with value and remedy") {
   options.phase[5] = not_a_number;
   CHECK(error_of(options) == "reference.phase[5] = nan rad: must be a finite number.");
   CHECK(error_of(CircleOptions{}) == "no error");
+  CHECK(error_of(MultisineOptions{6, 1, {1}}) == "reference.row = 6: must be 0 to 5.");
+  CHECK(error_of(MultisineOptions{-1, 1, {1}}) == "reference.row = -1: must be 0 to 5.");
+  CHECK(error_of(MultisineOptions{3, infinity, {1}}) ==
+        "reference.amplitude = inf m: must be a finite number.");
+  CHECK(error_of(MultisineOptions{0, 1, {}}) == "reference.frequencies = []: must have at least one entry.");
+  CHECK(error_of(MultisineOptions{0, 1, {1, 0}}) == "reference.frequencies[1] = 0 Hz: must be > 0.");
+  CHECK(error_of(MultisineOptions{0, 1, {2, 1, 2}}) ==
+        "reference.frequencies = 2 Hz: must not be there twice.");
+  CHECK_THROWS_WITH(make_path(EachAxisOptions{bad, 1}, 1),
+                    "reference.amplitude[2] = nan rad: must be a finite number.");
+  CHECK_THROWS_WITH(make_path(EachAxisOptions{Vector6::Ones(), 0}, 1),
+                    "reference.period = 0 s: must be > 0.");
+  CHECK_THROWS_WITH(make_path(EachAxisOptions{Vector6::Ones(), 1e-6}, 1),
+                    "reference.period = 1e-06 s: must be at least 2e-06 s, for at most a million jumps.");
 }

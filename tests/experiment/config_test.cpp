@@ -90,7 +90,7 @@ expect: {stop: singular, fails: [c_plus_g, omega]}
   CHECK(e.controller.rows == std::vector<int>{3, 4, 5});
   CHECK(e.controller.stiffness[5] == 6);
   CHECK(e.controller.damping == Vector6::Constant(7));
-  CHECK(e.controller.null_space_damping == 8);
+  CHECK(e.controller.null_space.damping == 8);
   CHECK_FALSE(e.controller.compensate_friction);
   CHECK(e.integrator.method == Method::bdf);
   CHECK(e.integrator.atol_position == 1e-7);
@@ -263,18 +263,29 @@ TEST_CASE("joints with several coordinates are counted by coordinate") {
 }
 
 /// The key, or a map on the way to it, is called unknown.
-static bool is_unknown(const std::string& key, const std::string& type) {
-  const auto got = message_of(Lines{.more = "reference: {type: " + type + "}"}.text(), {key + "={zzz: 0}"});
+static bool is_unknown(std::string key, const std::string& type) {
+  if (const auto at = key.find(".N."); at != std::string::npos) key.replace(at, 3, ".0.");
+  const std::string surface = type == "circle" ? "ball" : "plane";
+  const auto got = message_of(
+      Lines{.controller = "controller: {law: operational_space, obstacles: [{centre: [0, 0, 1]}]}",
+            .more = "reference: {type: " + type + "}\nplant: {environment: {type: " + surface + "}}"}
+          .text(),
+      {key + "={zzz: 0}"});
+  // Entries of lists are named path[i].
+  if (const auto at = key.find(".0."); at != std::string::npos) key.replace(at, 3, "[0].");
   for (auto end = key.size(); end != std::string::npos; end = end == 0 ? end - 1 : key.rfind('.', end - 1))
     if (got.find("unknown key '" + key.substr(0, end) + "'") != std::string::npos) return true;
   return false;
 }
 
-static const Strings types{"hold", "step", "line", "circle", "lissajous", "waypoints"};
+static const Strings types{"hold",      "step",      "line",      "circle",
+                           "lissajous", "waypoints", "each_axis", "multisine"};
 
 TEST_CASE("every key of docs/experiment-file.md exists") {
   CHECK(is_unknown("model.zzz", "hold"));
   CHECK(is_unknown("zzz.urdf", "hold"));
+  CHECK(is_unknown("controller.obstacles.N.zzz", "hold"));
+  CHECK(is_unknown("plant.environment.zzz", "hold"));
   std::ifstream in(OSCULATE_SOURCE_DIR "/docs/experiment-file.md");
   std::string line;
   int keys = 0;
@@ -294,16 +305,16 @@ TEST_CASE("every key of docs/experiment-file.md exists") {
       ++keys;
     }
   }
-  CHECK(keys > 40);
+  CHECK(keys > 80);
 }
 
 TEST_CASE("every key is in docs/experiment-file.md") {
   std::ifstream in(OSCULATE_SOURCE_DIR "/docs/experiment-file.md");
   const std::string page{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   int keys = 0;
-  const auto look = [&](const std::string& section, const std::string& more) {
+  const auto look = [&](const std::string& section, const std::string& more, const std::string& set) {
     // The message about an unknown key lists the known ones: "the keys here are a, b or c."
-    auto got = message_of(Lines{.more = more}.text(), {section + "#####=0"});
+    auto got = message_of(Lines{.more = more}.text(), {set + "#####=0"});
     const std::string start = "the keys here are ";
     INFO(section << "\n" << got);
     REQUIRE(got.find(start) != std::string::npos);
@@ -323,12 +334,54 @@ TEST_CASE("every key is in docs/experiment-file.md") {
       }
     }
   };
-  for (const auto* section :
-       {"", "model.", "model.friction.", "plant.", "plant.payload.", "initial.", "controller.",
-        "controller.gains.", "controller.null_space.", "integrator.", "output.", "verify.", "expect."})
-    look(section, "");
-  for (const auto& type : types) look("reference.", "reference: {type: " + type + "}");
-  CHECK(keys > 60);
+  for (const std::string section : {"",
+                                    "model.",
+                                    "model.friction.",
+                                    "plant.",
+                                    "plant.payload.",
+                                    "initial.",
+                                    "controller.",
+                                    "controller.gains.",
+                                    "controller.null_space.",
+                                    "controller.null_space.posture.",
+                                    "controller.null_space.limits.",
+                                    "controller.impedance.",
+                                    "controller.force.",
+                                    "controller.singularity.",
+                                    "controller.sampling.",
+                                    "controller.sensors.",
+                                    "integrator.",
+                                    "output.",
+                                    "verify.",
+                                    "expect.",
+                                    "sweep."})
+    look(section, "", section);
+  for (const auto& type : types) look("reference.", "reference: {type: " + type + "}", "reference.");
+  for (const std::string type : {"plane", "ball"})
+    look("plant.environment.", "plant: {environment: {type: " + type + "}}", "plant.environment.");
+  look("controller.obstacles.N.", "", "controller.obstacles=[{zzz: 0}]  #");
+  CHECK(keys > 100);
+}
+
+TEST_CASE("docs/experiment-file.md names every claim and every law") {
+  std::ifstream in(OSCULATE_SOURCE_DIR "/docs/experiment-file.md");
+  const std::string page{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  const auto names = [&](std::string_view word) {
+    INFO(word);
+    CHECK(page.find(word) != std::string::npos);
+  };
+  // "must be omega, lambda, ... or force_response."
+  const auto claims = message_of_set("expect.fails=[0]");
+  std::string word;
+  for (const char c : claims.substr(claims.find("must be ") + 8)) {
+    if (std::isalpha(static_cast<unsigned char>(c)) || c == '_') {
+      word += c;
+    } else {
+      if (!word.empty()) names(word);
+      word.clear();
+    }
+  }
+  for (const auto& info : textbook_laws()) names("`" + std::string(info.name) + "`");
 }
 
 TEST_CASE("the experiments of the project can be read") {

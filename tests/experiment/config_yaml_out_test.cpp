@@ -36,6 +36,11 @@ struct AddReference {
     add_all(bits, o.amplitude), add_all(bits, o.period), add_all(bits, o.phase);
   }
   void operator()(const WaypointsOptions&) const {}
+  void operator()(const EachAxisOptions& o) const { add_all(bits, o.amplitude), add(bits, o.period); }
+  void operator()(const MultisineOptions& o) const {
+    bits.push_back(static_cast<std::uint64_t>(o.row));
+    add(bits, o.amplitude), add_all(bits, o.frequencies);
+  }
 };
 
 /// Every number of an experiment, bit for bit.
@@ -59,9 +64,13 @@ Bits bits_of(const Experiment& e) {
   std::visit(AddReference{bits}, e.reference);
   add_all(bits, e.controller.stiffness);
   add_all(bits, e.controller.damping);
-  add(bits, e.controller.null_space_damping);
+  add(bits, e.plant.inertia_scale);
+  add_all(bits, e.plant.link_mass_scale);
+  add_all(bits, e.controller.effort_limits);
+  if (e.controller.virtual_inertia) add_all(bits, *e.controller.virtual_inertia);
   if (const auto& sampling = e.controller.sampling) {
     add(bits, sampling->period);
+    add(bits, sampling->computation_time);
     bits.push_back(static_cast<std::uint64_t>(sampling->monitor_every));
   }
   if (e.base_motion) std::visit(AddReference{bits}, *e.base_motion);
@@ -77,6 +86,8 @@ std::string words_of(const Experiment& e) {
   out << e.name << '|' << e.model.urdf << '|' << e.model.choice.base << '|' << e.model.choice.tip << '|'
       << static_cast<int>(e.model.choice.side_branches) << static_cast<int>(e.controller.law)
       << static_cast<int>(e.integrator.method) << static_cast<int>(e.verify.record) << e.verify.shadow
+      << static_cast<int>(e.plant.dynamics) << static_cast<int>(e.controller.textbook) << e.verify.poles
+      << e.controller.feedforward << static_cast<int>(e.controller.effort_limit)
       << e.controller.compensate_friction << e.controller.compensate_tip_force
       << static_cast<int>(e.controller.orientation) << static_cast<int>(e.controller.position) << '|'
       << e.expect.stop << '|';
@@ -87,6 +98,11 @@ std::string words_of(const Experiment& e) {
   if (e.base_motion) out << "base" << e.base_motion->index();
   if (const auto* circle = std::get_if<CircleOptions>(&e.reference)) out << circle->plane;
   if (const auto* points = std::get_if<WaypointsOptions>(&e.reference)) out << points->file;
+  out << '|' << e.sweep.key;
+  for (const auto& variant : e.sweep.variants) {
+    out << ';' << variant.name << (variant.value ? " has a value" : "");
+    for (const auto& change : variant.overrides) out << ' ' << change;
+  }
   return out.str();
 }
 
@@ -98,7 +114,9 @@ TEST_CASE("what to_yaml writes is read back bit for bit") {
                "{type: line, offset: [0, 0, 0, 0.1, 0.2, 0.3], start: 0.1, duration: 0.3}",
                "{type: circle, radius: 0.3333333333333333, period: 1e-3, plane: zx}",
                "{type: lissajous, amplitude: [0, 0, 0, 0.1, 0.7, 0], period: [1, 2, 3, 4, 5, 6], phase: 0.1}",
-               "{type: waypoints, file: 'path \"of\" \\ points.csv'}");
+               "{type: waypoints, file: 'path \"of\" \\ points.csv'}",
+               "{type: each_axis, amplitude: [0, 0.1, 0, 0, -0.0, 1e-3], period: 0.7}",
+               "{type: multisine, row: wz, amplitude: 0.3, frequencies: [0.1, 1e-9, 3]}");
   const auto seed = GENERATE(range(1u, 6u));
   INFO(reference << ", seed " << seed);
   auto e = parse_with("reference: " + reference);
@@ -133,21 +151,60 @@ TEST_CASE("what to_yaml writes is read back bit for bit") {
   }
   e.controller.rows = {5, 3, 0};
   e.controller.law = seed % 2 == 0 ? Law::free : Law::operational_space;
+  e.controller.feedforward = seed % 2 == 0;
+  e.plant.inertia_scale = positive();
+  e.plant.dynamics = seed % 2 == 0 ? PlantDynamics::dense : PlantDynamics::recursive;
+  if (seed == 1) e.plant.environment = Environment{Plane{{any(), 1, any()}, {any(), 1, any()}}, positive()};
+  if (seed == 2)
+    e.plant.environment = Environment{Ball{{any(), 1, 0}, positive()}, 1, positive(), 0.1, positive()};
+  if (seed == 2) {
+    e.plant.link_mass_scale = {positive(), positive()};
+    e.plant.mass_scale = 1;
+  }
   e.controller.compensate_friction = seed % 2 == 0;
   e.controller.compensate_tip_force = seed % 2 == 0;
   e.controller.orientation = static_cast<OrientationCoordinates>(seed % 4);
   e.controller.position = static_cast<PositionCoordinates>(seed % 3);
-  if (seed == 3) e.controller.sampling = Sampling{positive(), Delay::both, true, 1};
+  if (seed == 1) {
+    e.controller.law = Law::textbook;
+    e.controller.textbook = TextbookLaw::pseudo_inverse;
+    e.controller.null_space = {positive(), positive(), std::vector<double>{any(), any()},
+                               positive(), positive(), 0};
+    e.controller.orientation = OrientationCoordinates::rotation_vector;
+    e.controller.position = PositionCoordinates::cartesian;
+    e.controller.virtual_inertia = Vector6::Constant(positive());
+    e.controller.compensate_tip_force = true;
+    e.controller.force = ForceControl{{3, 0}, {any(), any()}, positive(), positive()};
+    e.controller.sampling = Sampling{1, Delay::none, false, 1, 0.3};
+    e.controller.sensors = Sensors{positive(), positive()};
+    e.controller.effort_limit = EffortLimit::list;
+    e.controller.effort_limits = {positive(), positive()};
+  }
+  if (seed == 3) {
+    e.controller.sampling = Sampling{positive(), Delay::both, true, 1};
+    e.controller.obstacles = {{{any(), 0, any()}, positive(), positive(), positive()}, {}};
+    e.controller.null_space.posture_stiffness = positive();
+    e.controller.null_space.manipulability = positive();
+    e.controller.effort_limit = EffortLimit::model;
+    e.controller.singularity = {SingularPolicy::none, 0.3, positive()};
+  }
   if (seed == 5) {
     e.controller.law = Law::resolved_acceleration;
     e.controller.sampling = Sampling{positive(), Delay::none, false, 7};
   }
   if (seed == 4) e.base_motion = LineOptions{Vector6::Constant(positive()), positive(), positive()};
-  e.integrator = {Method::bdf, 1.0 / 3, positive(), positive(), positive(), 12345};
+  e.integrator = {
+      seed % 2 == 0 ? Method::bdf : Method::runge_kutta, 1.0 / 3, positive(), positive(), positive(), 12345};
   e.verify.every = 3;
   e.verify.record = seed % 2 == 0 ? VerifyConfig::Record::worst : VerifyConfig::Record::every;
   e.verify.record_every = seed % 2 == 0 ? 1 : 9;
   e.verify.shadow = seed % 2 == 0;
+  e.verify.poles = seed % 2 == 0;
+  if (seed == 4) e.sweep = {"duration", {{"0.5", {"duration=0.5"}, 0.5}, {"1e0", {"duration=1e0"}, 1.0}}};
+  if (seed == 5) {
+    e.sweep.variants = {{"as: it # is", {}, {}},
+                        {"two", {"initial.q=[1, 2]", "expect={stop: \"\", fails: [g]}", "name=\"a b\""}, {}}};
+  }
   e.output.interval = 0.1 + 0.2;
   e.expect = {"too_many_steps", {"g", "null_space"}};
   const auto text = to_yaml(e);
@@ -156,6 +213,14 @@ TEST_CASE("what to_yaml writes is read back bit for bit") {
   CHECK(words_of(back) == words_of(e));
   CHECK(bits_of(back) == bits_of(e));
   CHECK(to_yaml(back) == text);
+  CHECK(back.plant.environment == e.plant.environment);
+  CHECK(back.controller.null_space == e.controller.null_space);
+  CHECK(back.controller.force == e.controller.force);
+  CHECK(back.controller.obstacles == e.controller.obstacles);
+  CHECK(back.controller.singularity == e.controller.singularity);
+  CHECK(back.controller.sensors == e.controller.sensors);
+  for (std::size_t i = 0; i < e.sweep.variants.size(); ++i)
+    CHECK(back.sweep.variants.at(i).value == e.sweep.variants[i].value);
 }
 
 TEST_CASE("the defaults are written out") {

@@ -14,18 +14,23 @@ SEES = {
     "model": {"scalar"},
     "recursion": {"scalar", "spatial", "model"},
     "reference": {"scalar", "model"},
-    "control": {"scalar", "spatial", "model", "recursion"},
-    "simulation": {"scalar", "spatial", "model", "recursion", "control"},
+    "control": {"scalar", "spatial", "model", "recursion", "reference"},
+    "simulation": {"scalar", "spatial", "model", "recursion", "control", "reference"},
     "verification": {"scalar", "spatial", "model", "recursion", "reference", "control", "simulation"},
     "paper": {"scalar", "spatial", "model", "recursion", "reference"},
     "record": set(),
     "experiment": {"scalar", "model", "reference", "recursion", "control", "simulation", "verification", "record", "spatial"},
     "cli": {"scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment", "paper"},
 }
+# Sight that a layer has for these files alone: a law must not lean on the oracle that checks it.
+ONLY_FOR = {
+    ("control", "reference"): {"control/textbook_laws.cpp", "control/null_space.cpp"},
+    ("simulation", "reference"): {"simulation/dense_plant.hpp"},
+}
 # The dense side must not see fault.hpp either: a seeded fault may change no bit of it.
 FORBIDDEN_FILES = {"reference": {"scalar/fault.hpp"}, "model": {"scalar/fault.hpp"}}
 FENCES = {
-    r"(cvode|sundials|nvector|sunlinsol|sunmatrix|sunnonlinsol)[/_]": {"simulation/cvode.cpp"},
+    r"(cvode|arkode|sundials|nvector|sunlinsol|sunmatrix|sunnonlinsol)[/_]": {"simulation/integrator.cpp"},
     r"(hdf5|H5)": {"record"},
     r"(urdf_|urdf/|console_bridge)": {"model/urdf.cpp"},
     r"yaml-cpp": {"experiment/yaml_parse.cpp"},
@@ -49,6 +54,8 @@ def faults_of(layer, name, text):
                 out.append(f"{name}: {target} belongs to no layer")
             elif other != layer and other not in SEES[layer]:
                 out.append(f"{name}: {layer} must not see {target}")
+            elif name not in ONLY_FOR.get((layer, other), {name}):
+                out.append(f"{name}: only {sorted(ONLY_FOR[layer, other])} may see {target}")
             elif target in FORBIDDEN_FILES.get(layer, ()):
                 out.append(f"{name}: {layer} must not see {target}")
         for pattern, allowed in FENCES.items():
@@ -72,8 +79,11 @@ class Layers(unittest.TestCase):
         self.assertTrue(faults_of("reference", "reference/dense.hpp", '#include "spatial/map.hpp"\n'))
         self.assertTrue(faults_of("reference", "reference/dense.hpp", '#include "scalar/fault.hpp"\n'))
         self.assertTrue(faults_of("control", "control/law.cpp", "#include <cvode/cvode.h>\n"))
+        self.assertTrue(faults_of("control", "control/law.cpp", '#include "reference/dense.hpp"\n'))
+        self.assertEqual(faults_of("control", "control/null_space.cpp", '#include "reference/dense.hpp"\n'), [])
+        self.assertEqual(faults_of("control", "control/law.cpp", '#include "control/reference.hpp"\n'), [])
         self.assertTrue(faults_of("cli", "cli/main.cpp", "#include <hdf5.h>\n"))
-        self.assertEqual(faults_of("simulation", "simulation/cvode.cpp", "#include <cvode/cvode.h>\n"), [])
+        self.assertEqual(faults_of("simulation", "simulation/integrator.cpp", "#include <arkode/arkode_erkstep.h>\n"), [])
 
 
 if __name__ == "__main__":

@@ -14,14 +14,25 @@ DIMENSIONS = {
     "joint": ("joint",),
     "spatial": ("spatial",),
     "spatial_column": ("spatial_column",),
+    "height": ("height",),
     "trajectory/joint_position": ("time", "joint"),
     "operational_space/Lambda": ("time", "spatial", "spatial_column"),
     "energy/total": ("time",),
+    "temperature": ("step", "height"),
     "solver/order": ("step",),
     "solver/rhs_evaluations": ("step",),
     "position_unit": ("joint",),
     "provenance/experiment": (),
     "provenance/git_commit": (),
+}
+
+
+# What `finish` adds.
+LATE_DIMENSIONS = {
+    "response/frequency": ("frequency",),
+    "response/gain": ("frequency", "joint"),
+    "coupling": ("spatial", "mode"),
+    "mode_kind": ("mode",),
 }
 
 
@@ -44,6 +55,7 @@ def check_rows(file):
     np.testing.assert_array_equal(file["energy/total"][:], numbers(rows, [40])[:, 0])
     step = np.arange(steps)
     np.testing.assert_array_equal(file["step"][:], step / 512)
+    np.testing.assert_array_equal(file["temperature"][:], numbers(steps, [1, 2]))
     np.testing.assert_array_equal(file["solver/order"][:], step % 13)
     np.testing.assert_array_equal(file["solver/rhs_evaluations"][:], step * 7)
     return rows, steps
@@ -52,12 +64,30 @@ def check_rows(file):
 def check_fixed(file):
     """The content that does not grow."""
     assert list(file["joint"].asstr()) == ["shoulder", "elbow", "wrist \u03b8"]
+    assert list(file["height"]) == [0.125, 0.25] and file["height"].attrs["units"] == "m"
     assert list(file["position_unit"].asstr()) == ["rad", "rad", "m"]
     assert file["provenance/experiment"].asstr()[()] == "name: known\nrows: many\n"
     assert file["provenance/git_commit"].asstr()[()] == ""
     assert file.attrs["title"] == "rows of known numbers"
     assert file.attrs["Conventions"] == "CF-1.8"
     assert file.attrs["component_order"] == "angular,linear"
+
+
+def check_late(file):
+    """The content that the end of a run adds."""
+    np.testing.assert_array_equal(file["response/frequency"][:], [0.5, 2, 8, 32])
+    assert file["response/frequency"].attrs["units"] == "Hz"
+    gain = np.arange(1.0, 13).reshape(4, 3)
+    gain[3, 2] = np.nan
+    np.testing.assert_array_equal(file["response/gain"][:], gain)
+    np.testing.assert_array_equal(file["coupling"][:], np.arange(12).reshape(6, 2))
+    assert list(file["mode"].asstr()) == ["slow", "fast"]
+    assert list(file["mode_kind"].asstr()) == ["real", "pair"]
+    assert "_FillValue" not in file["coupling"].attrs
+    assert np.isnan(file["response/gain"].attrs["_FillValue"][0])
+    assert file["response/gain"].dims[0][0].name == "/response/frequency"
+    assert file["response/gain"].dims[1][0].name == "/joint"
+    assert file["coupling"].dims[1][0].name == "/mode"
 
 
 def ncdump_header(path):
@@ -68,12 +98,12 @@ def ncdump_header(path):
     return run.stdout
 
 
-def check_other_readers(path):
+def check_other_readers(path, dimensions_of=DIMENSIONS):
     """ncdump and both xarray engines open the file and name every dimension."""
     text = ncdump_header(path)
     rows = {}
     for engine in ("h5netcdf", "netcdf4"):
-        for name, dimensions in DIMENSIONS.items():
+        for name, dimensions in dimensions_of.items():
             group, _, variable = name.rpartition("/")
             with xarray.open_dataset(path, engine=engine, group=group or None) as data:
                 assert data[variable].dims == dimensions, (engine, name, data[variable].dims)

@@ -12,7 +12,8 @@ import netCDF4  # noqa: F401
 import numpy as np
 import xarray
 
-from known_rows import DIMENSIONS, check_fixed, check_other_readers, check_rows, ncdump_header, open_file
+from known_rows import (DIMENSIONS, LATE_DIMENSIONS, check_fixed, check_late, check_other_readers, check_rows,
+                        ncdump_header, numbers, open_file)
 
 ROWS = 1000  # seven full chunks along time and a part of one
 
@@ -21,6 +22,7 @@ def h5py_sees_everything(path):
     with open_file(path) as file:
         assert check_rows(file) == (ROWS, (ROWS + 2) // 3)
         check_fixed(file)
+        check_late(file)
         assert file.attrs["status"] == "complete" and file.attrs["verdict"] == "pass"
         status = file.attrs.get_id("status").get_type()
         assert status.is_variable_str() and status.get_cset() == h5py.h5t.CSET_UTF8
@@ -65,12 +67,13 @@ def ncdump_names_everything(path):
     for line in ("time = UNLIMITED ; // (1000 currently)", "double joint_position(time, joint) ;",
                  "double Lambda(time, spatial, spatial_column) ;", "string joint(joint) ;", "byte order(step) ;",
                  "int64 rhs_evaluations(step) ;", 'string time:units = "s" ;', "byte result(claim) ;", "claim = 2 ;",
-                 'string :status = "complete" ;', "string experiment ;"):
+                 "double temperature(step, height) ;", "double gain(frequency, joint) ;", "double coupling(spatial, mode) ;",
+                 'string frequency:units = "Hz" ;', "frequency = 4 ;", 'string :status = "complete" ;', "string experiment ;"):
         assert line in text, line
 
 
 def xarray_needs_no_help(path):
-    check_other_readers(path)
+    check_other_readers(path, DIMENSIONS | LATE_DIMENSIONS)
     for engine in ("h5netcdf", "netcdf4"):
         with xarray.open_dataset(path, engine=engine) as root:
             assert list(root["joint"].values) == ["shoulder", "elbow", "wrist \u03b8"]
@@ -81,6 +84,12 @@ def xarray_needs_no_help(path):
                 both = xarray.merge([root, trajectory])
                 assert both["joint_position"].sel(joint="elbow").shape == (ROWS,)
                 assert trajectory["joint_position"].attrs["long_name"] == "joint coordinates"
+            assert float(root["temperature"].sel(height=0.25).isel(step=3)) == numbers(4, [2])[3, 0]
+            assert float(root["coupling"].sel(spatial="wz", mode="fast")) == 5
+        with xarray.open_dataset(path, engine=engine, group="response") as response:
+            assert list(response["gain"].sel(frequency=8).values) == [7, 8, 9]
+            assert np.isnan(response["gain"].sel(frequency=32)[2])
+            assert response["frequency"].attrs["units"] == "Hz"
         with xarray.open_dataset(path, engine=engine, group="verdict") as verdict:
             assert list(verdict["reason"].values) == ["", "gravity is on"]
             assert verdict["result"].dtype == np.int8

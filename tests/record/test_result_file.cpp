@@ -62,8 +62,15 @@ void append_rows(ResultFile& file, int first, int last) {
 }
 
 void finish(ResultFile& file) {
-  file.finish("complete", "pass", {{"claim", "(1)", "", 1e-15, 1e-12, 0.5, 1, 0, 9}},
-              {{"timing/simulation", 1.0, "s", "wall"}});
+  Ending ending;
+  ending.rows = {{"claim", "(1)", "", 1e-15, 1e-12, 0.5, 1, 0, 9}};
+  ending.scalars = {{"timing/simulation", 1.0, "s", "wall"}};
+  ending.axes = {{"growth/bin_end", {}, "s", "end of the bin", {0.5, 1.0}},
+                 {"mode", {"slow", "fast", "stray"}, "", "modes"}};
+  ending.tables = {{"growth/error", {"growth/bin_end", "joint"}, "rad", "error", {1, 2, 3, nan_value}},
+                   {"damping", {"mode"}, "1/s", "damping", {1, 2, 3}}};
+  ending.lists = {{"mode_kind", "mode", {"real", "pair", "real"}, "kind"}};
+  file.finish("complete", "pass", ending);
 }
 
 void write_finished(const path& where, const Layout& layout = small_layout()) {
@@ -183,8 +190,51 @@ TEST_CASE("a layout that makes no sense is refused before a file appears") {
   refused("one axis twice", [](Layout& l) { l.variables[0].axes = {"time", "joint", "joint"}; });
   refused("given twice", [](Layout& l) { l.axes.push_back(l.axes[0]); });
   refused("cannot be missing", [](Layout& l) { l.variables[1].may_be_missing = true; });
-  refused("one string for each label", [](Layout& l) { l.lists[0].values.pop_back(); });
+  refused("one string for each element", [](Layout& l) { l.lists[0].values.pop_back(); });
+  refused("labels and coordinates", [](Layout& l) { l.axes[1].coordinates = {1, 2}; });
+  refused("not finite", [](Layout& l) { l.axes.push_back({"f", {}, "Hz", "frequency", {1, nan_value}}); });
+  refused("not in the root group", [](Layout& l) { l.axes.push_back({"a/b", {}, "s", "instants"}); });
   CHECK(files_in(scratch.directory) == 0);
+}
+
+TEST_CASE("an ending that makes no sense is refused and the file can still be finished") {
+  const Scratch scratch;
+  write_finished(scratch / "plain.h5");
+  ResultFile file(scratch / "a.h5", small_layout(), false);
+  append_rows(file, 0, 700);
+  const auto refused = [&](const char* text, const Ending& ending) {
+    CHECK_THROWS_AS(file.finish("complete", "pass", ending), std::invalid_argument);
+    CHECK_THROWS_WITH(file.finish("complete", "pass", ending), Contains(text));
+  };
+  const auto table = [](const std::vector<std::string>& axes, std::size_t values) {
+    return Ending{.tables = {{"t", axes, "", "table", std::vector<double>(values)}}};
+  };
+  refused("t: has no axis", table({}, 1));
+  refused("t: 'bin' is not a fixed axis", table({"bin"}, 2));
+  refused("t: 'time' is not a fixed axis", table({"time"}, 700));
+  refused("t: one axis twice", table({"joint", "joint"}, 4));
+  refused("t: has 3 values, not 2", table({"joint"}, 3));
+  refused("'joint' given twice", {.axes = {{"joint", {"a"}, "", "joints"}}});
+  refused("neither labels nor coordinates", {.axes = {{"bin", {}, "s", "bins"}}});
+  refused("labels and coordinates", {.axes = {{"bin", {"a"}, "s", "bins", {1}}}});
+  refused("one string for each element", {.lists = {{"kind", "joint", {"a"}, "kinds"}}});
+  finish(file);
+  CHECK(bytes(scratch / "a.h5") == bytes(scratch / "plain.h5"));
+}
+
+TEST_CASE("a file without a growing axis") {
+  const Scratch scratch;
+  Layout layout;
+  layout.title = "sweep";
+  layout.axes = {{"variant", {"a", "b"}, "", "variants"}};
+  {
+    ResultFile file(scratch / "a.h5", layout, false);
+    CHECK_THROWS_AS(file.append("variant", std::vector<double>{1}), std::invalid_argument);
+    file.finish("complete", "pass", {.tables = {{"error", {"variant"}, "m", "error", {1, 2}}}});
+  }
+  { const ResultFile dropped(scratch / "b.h5", layout, false); }
+  CHECK(recover(scratch / "b.h5") == scratch / "b.recovered.h5");
+  CHECK_THROWS_WITH(recover(scratch / "a.h5"), Contains("status complete"));
 }
 
 TEST_CASE("a finished file takes nothing more") {

@@ -28,7 +28,8 @@ Layout layout() {
       {"step", {}, "s", "end of every integrator step"},
       {"joint", {"shoulder", "elbow", "wrist \u03b8"}, "", "joints, base to tip"},
       {"spatial", {"wx", "wy", "wz", "vx", "vy", "vz"}, "", "spatial components"},
-      {"spatial_column", {"wx", "wy", "wz", "vx", "vy", "vz"}, "", "spatial components of columns"}};
+      {"spatial_column", {"wx", "wy", "wz", "vx", "vy", "vz"}, "", "spatial components of columns"},
+      {"height", {}, "m", "heights of the probes", {0.125, 0.25}}};
   result.variables = {{"trajectory/joint_position", {"time", "joint"}, "", "joint coordinates"},
                       {"operational_space/Lambda",
                        {"time", "spatial", "spatial_column"},
@@ -37,6 +38,7 @@ Layout layout() {
                        Kind::real,
                        true},
                       {"energy/total", {"time"}, "J", "kinetic and potential energy"},
+                      {"temperature", {"step", "height"}, "K", "temperature at the probes"},
                       {"solver/order", {"step"}, "1", "order of the method", Kind::small},
                       {"solver/rhs_evaluations", {"step"}, "1", "right-hand sides so far", Kind::integer}};
   result.lists = {{"position_unit", "joint", {"rad", "rad", "m"}, "units of joint_position"}};
@@ -58,8 +60,8 @@ void append(ResultFile& file, std::uint64_t row) {
   file.append("time", values);
   if (row % 3 != 0) return;
   const std::uint64_t step = row / 3;
-  const double line[] = {static_cast<double>(step) / 512, static_cast<double>(step % 13),
-                         static_cast<double>(step * 7)};
+  const double line[] = {static_cast<double>(step) / 512, number(step, 1), number(step, 2),
+                         static_cast<double>(step % 13), static_cast<double>(step * 7)};
   file.append("step", line);
 }
 
@@ -72,10 +74,21 @@ int run(const std::string& name, std::uint64_t rows, int pace_us) {
     if (pace_us > 0) std::this_thread::sleep_for(std::chrono::microseconds(pace_us));
   }
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  file.finish("complete", "pass",
-              {{"energy balance", "(12)", "", 1e-12, 1e-10, 0.5, 1, 3, 100},
-               {"gravity-free rest", "(7)", "gravity is on", nan, nan, nan, -1, 0, 0}},
-              {{"timing/simulation", 0.25, "s", "wall time of the simulation"}});
+  Ending ending;
+  ending.rows = {{"energy balance", "(12)", "", 1e-12, 1e-10, 0.5, 1, 3, 100},
+                 {"gravity-free rest", "(7)", "gravity is on", nan, nan, nan, -1, 0, 0}};
+  ending.scalars = {{"timing/simulation", 0.25, "s", "wall time of the simulation"}};
+  ending.axes = {{"response/frequency", {}, "Hz", "frequencies of the excitation", {0.5, 2, 8, 32}},
+                 {"mode", {"slow", "fast"}, "", "modes of the loop"}};
+  ending.tables = {
+      {"response/gain",
+       {"response/frequency", "joint"},
+       "1",
+       "gain",
+       {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, nan}},
+      {"coupling", {"spatial", "mode"}, "1", "coupling", {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}}};
+  ending.lists = {{"mode_kind", "mode", {"real", "pair"}, "kind of the mode"}};
+  file.finish("complete", "pass", ending);
   return 0;
 }
 

@@ -3,7 +3,7 @@
 
 #include "experiment/arms.hpp"
 #include "experiment/run.hpp"
-#include "simulation/cvode.hpp"
+#include "simulation/integrator.hpp"
 #include "support/catch.hpp"
 
 using namespace osculate;
@@ -14,6 +14,7 @@ const std::filesystem::path experiments = std::filesystem::path(OSCULATE_SOURCE_
 
 IntegratorOptions tolerances(std::size_t states, double rtol) {
   IntegratorOptions options;
+  options.method = Method::runge_kutta;
   options.rtol = rtol;
   options.atol.assign(states, rtol / 100);
   return options;
@@ -25,22 +26,23 @@ double sample_error(const Experiment& e, double period, Delay delay, bool extrap
   const Arms arms = make_arms(e);
   LawOptions law;
   law.sampling = Sampling{period, delay, extrapolate};
-  law.known_tip_force = arms.plant.tip_force;
+  law.know_tip_force = true;
   const Pose initial = tip_pose(arms.model, e.q);
   ClosedLoop loop(
       Controller(arms.model, arms.friction, law, make_path(std::get<LissajousOptions>(e.reference)), initial),
       arms.plant);
   std::vector<double> y(loop.states(), 0.0);
   std::copy(e.q.begin(), e.q.end(), y.begin());
-  Cvode integrator([&loop](double t, const double* x, double* xd) { loop.right_side(t, x, xd); }, 0, y,
+  Integrator integrator([&loop](double t, const double* x, double* xd) { loop.right_side(t, x, xd); }, 0, y,
                    tolerances(y.size(), 1e-9));
   double worst = 0;
   const int samples = static_cast<int>(std::lround(0.4 / period));
   for (int k = 0; k <= samples; ++k) {
     const double t = k * period;
     while (integrator.t() < t) integrator.step(t);
-    if (k > 0) integrator.restart();
     loop.sample(t, integrator.state());
+    loop.apply();
+    if (k > 0) integrator.restart();
     const Observation& seen = loop.observe(t, integrator.state());
     if (k >= 3) worst = std::max(worst, (seen.tip_acceleration - seen.command.u).cwiseAbs().maxCoeff());
   }
@@ -116,7 +118,7 @@ TEST_CASE("the quaternion of a tumbling body keeps its length, and returns to it
     std::copy(e.q.begin(), e.q.end(), y.begin());
     std::copy(e.qd.begin(), e.qd.end(), y.begin() + static_cast<std::ptrdiff_t>(e.q.size()));
     for (int i = 0; i < 4; ++i) y[static_cast<std::size_t>(i)] *= stretched;
-    Cvode integrator([&loop](double t, const double* x, double* xd) { loop.right_side(t, x, xd); }, 0, y,
+    Integrator integrator([&loop](double t, const double* x, double* xd) { loop.right_side(t, x, xd); }, 0, y,
                      tolerances(y.size(), rtol));
     while (integrator.t() < duration) integrator.step(duration);
     const auto state = integrator.state();

@@ -5,7 +5,7 @@
 #include "control/rotation.hpp"
 #include "model/random_arm.hpp"
 #include "model/urdf.hpp"
-#include "simulation/cvode.hpp"
+#include "simulation/integrator.hpp"
 #include "verification/step_check.hpp"
 
 namespace osculate::testing {
@@ -132,7 +132,7 @@ inline Sample draw(std::uint64_t seed) {
   sample.slow = random.integer(0, 7) == 0;
   if (sample.slow) arm.qd *= 1e-3;
 
-  if (arm.chain.velocities() > 6) sample.options.null_space_damping = random.integer(0, 1);
+  if (arm.chain.velocities() > 6) sample.options.null_space.damping = random.integer(0, 1);
   sample.target = tip_pose(arm.chain, {arm.q.data(), static_cast<std::size_t>(arm.q.size())});
   sample.target.p += random.uniform(0, 0.1) * random.direction();
   sample.target.R = exp_rotation(random.uniform(0, 0.5) * random.direction()) * sample.target.R;
