@@ -61,15 +61,11 @@ class Stored:
     Raises NotAResult with a message that names the file.
     """
 
-    maker = "`osculate run` or `osculate sweep`"
-    required = ()
-    kind = "file"
+    maker, kind, required = "", "", ()  # the command, "run" or "sweep", variables that must be there
 
     def __init__(self, path):
         self.path = Path(path)
-        if not self.path.is_file():
-            raise NotAResult(f"{self.path}: no such file. Give a result file made by {self.maker}.")
-        self.file = self._open()
+        self.file = _open(self.path, self.maker)
         missing = [name for name in self.required if name not in self.file]
         missing += [f"attribute {name}" for name in ("title", "status") if name not in self.file.attrs]
         if missing:
@@ -78,17 +74,6 @@ class Stored:
                 f"{self.path}: HDF5, but not a result file of osculate: it has no {', '.join(missing)}. "
                 f"Give a file made by {self.maker}."
             )
-
-    def _open(self):
-        try:
-            return h5py.File(self.path, "r")
-        except OSError as first:
-            try:  # a run that goes on or was killed
-                return h5py.File(self.path, "r", libver="latest", swmr=True)
-            except OSError:
-                raise NotAResult(
-                    f"{self.path}: cannot be read as HDF5 ({first}). Give a result file made by {self.maker}."
-                ) from None
 
     def close(self):
         self.file.close()
@@ -158,9 +143,7 @@ class Stored:
 class Result(Stored):
     """The file of one run."""
 
-    maker = "`osculate run`"
-    required = ("time", "step", "step_time")
-    kind = "run"
+    maker, kind, required = "`osculate run`", "run", ("time", "step", "step_time")
 
     @property
     def task_rows(self):
@@ -189,9 +172,7 @@ class Result(Stored):
 class Sweep(Stored):
     """The file of a sweep: one number for each variant."""
 
-    maker = "`osculate sweep`"
-    required = ("variant", "changes")
-    kind = "sweep"
+    maker, kind, required = "`osculate sweep`", "sweep", ("variant", "changes")
 
     @property
     def key(self):
@@ -201,9 +182,23 @@ class Sweep(Stored):
 
 def open_result(path):
     """A Result or a Sweep, by what is in the file. Raises NotAResult."""
-    with Stored(path) as stored:
-        kind = Sweep if "variant" in stored and "time" not in stored else Result
+    with _open(Path(path), "`osculate run` or `osculate sweep`") as file:
+        kind = Sweep if "variant" in file and "time" not in file else Result
     return kind(path)
+
+
+def _open(path, maker):
+    if not path.is_file():
+        raise NotAResult(f"{path}: no such file. Give a result file made by {maker}.")
+    try:
+        return h5py.File(path, "r")
+    except OSError as first:
+        try:  # a run that goes on or was killed
+            return h5py.File(path, "r", libver="latest", swmr=True)
+        except OSError:
+            raise NotAResult(
+                f"{path}: cannot be read as HDF5 ({first}). Give a result file made by {maker}."
+            ) from None
 
 
 def _text(value):

@@ -76,7 +76,9 @@ def _mass_along_path(axes, result):
     principal = result.read("operational_space/effective_mass_axes")
     shapes = [(i, _projected(masses[i], principal[i][:, plane])) for i in _apart(path, span / 4)]
     known = [(i, shape) for i, shape in shapes if shape is not None]
-    scale = 0.12 * span / np.median([half[0] for _, (half, _) in known]) if known else 0
+    typical = np.median([half[0] for _, (half, _) in known]) if known else np.nan
+    known = [(i, shape) for i, shape in known if shape[0][0] <= 4 * typical]
+    scale = 0.12 * span / typical
     for count, (i, (half, direction)) in enumerate(known):
         axes.add_patch(Ellipse(path[i], *(2 * scale * half), angle=np.degrees(np.arctan2(*direction[::-1])), edgecolor=BLUE,
                                facecolor=SKY, alpha=0.45, label="effective mass" if count == 0 else None))
@@ -86,12 +88,12 @@ def _mass_along_path(axes, result):
     axes.set(xlim=middle[0] + half_width * np.array([-1, 1]), ylim=middle[1] + half_width * np.array([-1.12, 1]),
              xlabel=label(names[plane[0]], unit), ylabel=label(names[plane[1]], unit))
     if known:  # a bar below the path
-        bar = _round_number(0.3 * span / scale)
+        bar = _round_number(typical)
         start = middle - half_width * np.array([0.93, 1.04])
         axes.plot(start[0] + np.array([0, scale * bar]), start[[1, 1]], color=BLUE, linewidth=2.5)
         axes.text(start[0] + scale * bar + 0.03 * span, start[1], f"half axis of {bar:g} kg", va="center", fontsize=8)
     if len(known) < len(shapes):
-        axes.plot([], [], " ", label=f"{len(shapes) - len(known)} of {len(shapes)} left out: infinite mass")
+        axes.plot([], [], " ", label=f"{len(shapes) - len(known)} of {len(shapes)} left out: too large")
     axes.locator_params(nbins=6)
     style.legend_above(axes, 3)
 
@@ -151,8 +153,10 @@ def contact(result):
     if "contact/gap" not in result:
         raise NotApplicable("the experiment has no surface to touch")
     time, touching = result.read("time"), in_contact(result)
-    figure = style.new_figure(result, "contact", (8.5, 9.5))
-    gap, pressure, force, moment = figure.subplots(4, 1, sharex=True)
+    wrench, names, units = result.read("trajectory/tip_force"), result.labels("trajectory/tip_force"), result.read("spatial_force_unit")
+    parts = [(slice(3, 6), "force on the tip"), (slice(0, 3), "moment on the tip")][: 2 if wrench[:, :3].any() else 1]
+    figure = style.new_figure(result, "contact", (8.5, 4.8 + 2.3 * len(parts)))
+    gap, pressure, *below = panels = figure.subplots(2 + len(parts), 1, sharex=True)
     dot = style.marker_for(time)
     gap.plot(time, result.read("contact/gap"), color=BLUE, marker=dot)
     gap.axhline(0, color=BLACK, linewidth=0.8)
@@ -164,19 +168,17 @@ def contact(result):
         pressure.axhline(wanted, color=VERMILION, linestyle="--", label="desired")
     pressure.set_ylabel(label("normal force", result.unit("contact/pressure")))
 
-    wrench, names, units = result.read("trajectory/tip_force"), result.labels("trajectory/tip_force"), result.read("spatial_force_unit")
     desired = desired_force(result)
-    for axes, part, quantity in ((force, slice(3, 6), "force on the tip"), (moment, slice(0, 3), "moment on the tip")):
+    for axes, (part, quantity) in zip(below, parts):
         for i, component, (colour, line) in zip(range(6)[part], "xyz", LINES):
             axes.plot(time, wrench[:, i], line, color=colour, label=component, marker=dot)
             if names[i] in desired:
                 axes.axhline(desired[names[i]], color=colour, linestyle=(0, (1, 3)), label=f"desired {component}")
         axes.set_ylabel(label(quantity, units[part][0]))
-    for axes in (gap, pressure, force, moment):
+    for axes in panels:
         style.shade(axes, touching, GREY, "tip in contact")
-        if axes.get_legend_handles_labels()[0]:
-            style.legend_above(axes, 7)
-        style.time_axis(axes, time, text=axes is moment)
+        style.legend_above(axes, 7)
+        style.time_axis(axes, time, text=axes is panels[-1])
     return figure
 
 
@@ -192,15 +194,17 @@ def departure(result):
     panels = figure.subplots(4, 1, sharex=True)
     for axes, part, values in zip(panels, parts, missed):
         axes.plot(steps, style.positive(values), color=BLUE, label="|tip acceleration - u|", marker=style.marker_for(steps), linewidth=0.8)
-        axes.set_ylabel(label(part, result.unit(f"departure/{part}_acceleration")))
+        axes.set_ylabel(label(f"missed {part}\nacceleration", result.unit(f"departure/{part}_acceleration")))
         style.logarithmic(axes, values, times=steps, decades=16)
 
     error, unit = result.read("trajectory/pose_error"), result.read("spatial_error_unit")
-    rows = [i for i, name in enumerate(result.labels("trajectory/pose_error")) if name in result.task_rows]
+    names, by_force = result.labels("trajectory/pose_error"), desired_force(result)
     for axes, quantity, part in zip(panels[2:], ("orientation", "position"), (range(3), range(3, 6))):
-        size = np.linalg.norm(error[:, [i for i in rows if i in part]], axis=1)
-        axes.plot(time, style.positive(size), color=GREEN, label="tracking error, task rows", marker=style.marker_for(time))
-        axes.set_ylabel(label(quantity, unit[part[0]]))
+        rows = [i for i in part if names[i] in result.task_rows and names[i] not in by_force]
+        size = np.linalg.norm(error[:, rows], axis=1)
+        axes.plot(time, style.positive(size), color=GREEN, label=f"tracking error ({', '.join(names[i] for i in rows) or 'no rows'})",
+                  marker=style.marker_for(time))
+        axes.set_ylabel(label(f"{quantity} error", unit[part[0]]))
         style.logarithmic(axes, size, decades=16)
     for axes in panels:
         for where, colour, text in _special(result, steps):

@@ -90,8 +90,9 @@ def require(result, *names):
 
 
 def legend_above(axes, columns=4):
-    """A legend over the panel, where it covers no data."""
-    axes.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncol=columns, borderaxespad=0.2, handlelength=1.6, columnspacing=1.2)
+    """A legend over the panel, where it covers no data; none where there is nothing to name."""
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower left", bbox_to_anchor=(0, 1.0), ncol=columns, borderaxespad=0.2, handlelength=1.6, columnspacing=1.2)
 
 
 def note(axes, text):
@@ -155,6 +156,16 @@ def logarithmic(axes, *shown, times=None, decades=None, absent="no data"):
         axes.yaxis.set_major_locator(FixedLocator(10.0 ** decade[:: len(decade) // 7 + 1]))
         axes.yaxis.set_minor_locator(LogLocator(subs=range(2, 10)) if len(decade) < 5 else NullLocator())
     axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def logarithmic_x(axes, values):
+    """A logarithmic x axis whose ticks are the values themselves where they are few and far between."""
+    values = np.sort(values)
+    apart = np.min(values[1:] / values[:-1], initial=np.inf) > 1.3
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(FixedLocator(values) if len(values) <= 10 and apart else LogLocator(subs=(1, 2, 5)))
+    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.xaxis.set_minor_locator(NullLocator())
 
 
 def time_axis(axes, times, text=True):

@@ -20,7 +20,7 @@ struct SingularityOptions {
   SingularPolicy policy = SingularPolicy::none;
   /// Of the scaled eigenvalues. none: the run stops where the smooth measure falls below it. The others: the
   /// policy acts on directions below it.
-  double threshold = 1e-8;
+  double threshold = 1e-6;
   /// Damped: sigma / (sigma^2 + damping^2 (1 - (sigma/threshold)^2)^2) in place of 1 / sigma. > 0. Choose it
   /// no larger than the threshold: at r = damping/threshold > 1 nearly all of the change happens within the
   /// last 1 / (2 r) below the threshold, which is a cliff to an integrator.

@@ -123,7 +123,8 @@ class Runner {
       apply(main, other);
     }
     trajectory_.emplace(problem_, problem_.observe(0, y0));
-    if (shadow) result_.error.known = true;
+    result_.error.known = shadow.has_value();
+    result_.error.tolerance = experiment_.integrator.rtol + experiment_.integrator.atol_position;
     check_step({}, y0, other, problem_.sampled());
     write_rows(main, 0);
 

@@ -66,12 +66,15 @@ std::string text(double x, double unit = 1) {
   return digits;
 }
 
-std::string count(double x) {
+/// With so many decimals.
+std::string fixed(double x, int decimals) {
   if (std::isnan(x)) return "-";
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.0f", x);
+  char digits[64];
+  std::snprintf(digits, sizeof digits, "%.*f", decimals, x);
   return digits;
 }
+
+std::string count(double x) { return fixed(x, 0); }
 
 using Rows = std::vector<std::vector<std::string>>;
 
@@ -108,9 +111,9 @@ std::string slope_text(const SweepResult& result) {
   Rows rows{{"quantity", "slope", "spread", "from each variant to the next"}};
   for (const Slope& slope : found) {
     if (!slope.fit) continue;
-    std::vector<std::string> row{slope.label, text(slope.fit->slope), text(slope.fit->spread), ""};
+    std::vector<std::string> row{slope.label, fixed(slope.fit->slope, 3), fixed(slope.fit->spread, 4), ""};
     for (std::size_t i = 1; i < slope.fit->between.size(); ++i)
-      row[3] += (i > 1 ? "  " : "") + text(slope.fit->between[i]);
+      row[3] += (i > 1 ? "  " : "") + fixed(slope.fit->between[i], 3);
     rows.push_back(std::move(row));
   }
   if (rows.size() == 1) return "\nno slopes: fewer than 3 variants ran to the end with errors above 0\n";

@@ -19,7 +19,7 @@ struct FileError : std::runtime_error {
 /// A dimension. A fixed one has one label or one number for each element, which its scale variable holds; an
 /// unlimited one has neither and is itself a recorded variable, for instance /time.
 struct Axis {
-  std::string name;                 // "joint"; in an Ending it may lie in a group: "growth/bin_end"
+  std::string name;                      // "joint"; in an Ending it may lie in a group: "growth/bin_end"
   std::vector<std::string> labels = {};  // fixed axis of names
   std::string unit = {};                 // of coordinates, or of an unlimited axis
   std::string long_name = {};

@@ -24,7 +24,7 @@ struct Plant {
   Chain<double> chain;
   std::vector<JointFriction> friction;    // for each velocity coordinate; empty: none
   Vector6 tip_force = Vector6::Zero();    // N m, N: constant wrench on the tip, inertial axes, about the tip point
-  std::optional<Environment> environment;  // a surface that the tip may touch
+  std::optional<Environment> environment = {};  // a surface that the tip may touch
   bool dense = false;                      // accelerations by the definitions instead of the recursion
 };
 

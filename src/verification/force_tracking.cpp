@@ -11,7 +11,8 @@ namespace osculate {
 ForceTracking::ForceTracking(const ClosedLoop& loop) {
   const LawOptions& law = loop.controller().options();
   const auto& environment = loop.plant().environment;
-  rounding_ = 64 * (loop.velocities() + 1) * std::numeric_limits<double>::epsilon() * reach(loop.plant().chain);
+  reach_ = reach(loop.plant().chain);
+  rounding_ = 64 * (loop.velocities() + 1) * std::numeric_limits<double>::epsilon() * reach_;
   if (!law.force || !environment) {
     reason_ = "no force is controlled at a surface";
     return;
@@ -56,8 +57,10 @@ Residual ForceTracking::assess(const Observation& seen, bool contact, const Glob
   const ErrorState exact = depth_response(loop_, *start_, seen.t - start_time_);
   const double scale = loop_.desired;
   const double off = std::abs(seen.touch.pressure - pressure(loop_, exact));
-  const double allowed = loop_.stiffness * (error_multiple * error.position + rounding_) +
-                         loop_.damping * (error_multiple * error.velocity + rounding_ * std::sqrt(loop_.stiffness / loop_.inertia));
+  const double floor = rounding_ + error.tolerance * reach_;  // m
+  const double rate = std::sqrt(loop_.stiffness / loop_.inertia);  // 1/s
+  const double allowed = loop_.stiffness * (error_multiple * error.position + floor) +
+                         loop_.damping * (error_multiple * error.velocity + floor * rate);
   return {off / scale, allowed / scale, true};
 }
 

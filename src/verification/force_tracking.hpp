@@ -23,6 +23,7 @@ class ForceTracking {
  private:
   std::string reason_;
   ForceLoop loop_;
+  double reach_ = 1;                  // m, of the arm
   double rounding_ = 0;               // of the depth, m
   double start_time_ = 0;             // s
   std::optional<ErrorState> start_;   // depth and rate at the first instant in contact

@@ -141,6 +141,7 @@ Residual TrajectoryClaims::energy(const Observation& seen, const GlobalError& er
   const double terms = energy_scale_ + std::abs(seen.potential) + std::abs(energy_start_);
   const double bound = error_multiple * error.imbalance + rounding() * terms;
   if (!error.known) return {0, 0, false};
+  tolerance_ = error.tolerance;
   ++energy_steps_;
   widest_bound_ = std::max(widest_bound_, bound);
   const int decade =
@@ -163,9 +164,13 @@ ClaimResult TrajectoryClaims::energy_result() const {
   const int last =
       energy_scale_ > 0 ? static_cast<int>(std::floor(std::log10(energy_scale_))) : nothing_moved;
   Imbalance worst;
+  const double allowed = tolerance_ * energy_scale_;  // J, by the tolerance of one step
   for (const auto& [decade, instant] : worst_imbalance_)
-    if (decade >= last - 6 && !(ratio(instant.value, instant.bound) < ratio(worst.value, worst.bound)))
+    if (decade >= last - 6 &&
+        !(ratio(instant.value, instant.bound + allowed) < ratio(worst.value, worst.bound))) {
       worst = instant;
+      worst.bound += allowed;
+    }
   if (energy_scale_ <= energy_floor_ && worst.value <= worst.bound) {
     out.reason = "the arm rests: it moves no energy to balance";
     return out;
@@ -193,8 +198,9 @@ Residual TrajectoryClaims::pose_residual(const Vector6& difference, const std::a
     double& largest = i < 3 ? angle : distance;
     largest = std::max(largest, std::abs(difference[static_cast<Eigen::Index>(i)]));
   }
-  const Residual turned{angle, error_multiple * error.orientation + rounding(), error.known};
-  const Residual moved{distance / reach_, error_multiple * error.position / reach_ + rounding(), error.known};
+  const double floor = rounding() + error.tolerance;
+  const Residual turned{angle, error_multiple * error.orientation + floor, error.known};
+  const Residual moved{distance / reach_, error_multiple * error.position / reach_ + floor, error.known};
   return turned.value * moved.bound > moved.value * turned.bound ? turned : moved;
 }
 

@@ -3,7 +3,8 @@
 // A local tolerance bounds no global error. The estimate is the largest difference so far between the run and
 // its shadow, the same problem at a hundredth of the tolerances: their errors differ by so much more than the
 // shadow's own that the difference is the run's error. A claim is bounded by `error_multiple` times it, plus
-// rounding.
+// rounding, plus the local error that the integrator is allowed in one step: in the first steps after a start the
+// shadow is no better than the run.
 #pragma once
 
 #include <map>
@@ -25,6 +26,7 @@ struct GlobalError {
   double energy = 0;       // J, sum over kinetic + potential, work, dissipated and external work
   double imbalance = 0;    // J, of their balance, in which the errors of work and loss mostly cancel
   bool known = false;      // false without a shadow run
+  double tolerance = 0;    // local error that the integrator allows in a joint of the size of 1 rad or 1 m
 
   void add(const Observation& run, const Observation& shadow);
 };
@@ -96,6 +98,7 @@ class TrajectoryClaims {
   /// The instant with the largest ratio, for each power of ten of the energy moved until then.
   std::map<int, Imbalance> worst_imbalance_;
   double widest_bound_ = 0;  // J
+  double tolerance_ = 0;     // of GlobalError
   long energy_steps_ = 0;
   double worst_position_ = 0, worst_orientation_ = 0;
 };

@@ -121,7 +121,7 @@ TEST_CASE("the threshold of a singularity follows its policy") {
     return controller("law: operational_space, singularity: {" + keys + "}").singularity;
   };
   CHECK(of("") == SingularityOptions{});
-  CHECK(of("policy: none").threshold == 1e-8);
+  CHECK(of("policy: none").threshold == 1e-6);
   CHECK(of("policy: damped") == SingularityOptions{SingularPolicy::damped, 1e-2, 1e-3});
   CHECK(of("policy: truncated").threshold == 1e-2);
   CHECK(of("policy: released, threshold: 0.1, damping: 0.2") ==

@@ -34,7 +34,7 @@ FENCES = {
     r"(hdf5|H5)": {"record"},
     r"(urdf_|urdf/|console_bridge)": {"model/urdf.cpp"},
     r"yaml-cpp": {"experiment/yaml_parse.cpp"},
-    r"CLI/": {"cli/main.cpp"},
+    r"CLI/": {"cli/program.cpp"},
     r"boost/": {"scalar/rational.hpp", "scalar/quad.hpp", "scalar/rational_product.hpp"},
     r"quadmath": {"scalar/quad.hpp"},
 }

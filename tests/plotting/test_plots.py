@@ -3,47 +3,20 @@
 Environment: OSCULATE (the program), OSCULATE_SOURCE_DIR (the project's root).
 """
 import math
-import os
-import re
 import shutil
-import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-os.environ["MPLBACKEND"] = "Agg"
-PROGRAM = os.environ["OSCULATE"]
-ROOT = Path(os.environ["OSCULATE_SOURCE_DIR"])
-sys.dont_write_bytecode = True
-sys.path.insert(0, str(ROOT / "plotting"))
+from support import LABEL, ROOT, legend_texts, make_all, overlaps, panels, plot, run
 
-import h5py  # noqa: E402
-import numpy as np  # noqa: E402
-from figures import FIGURES  # noqa: E402
-from result import NotAResult, Result  # noqa: E402
+import h5py
+import numpy as np
+from figures import FIGURES, SWEEP_FIGURES
+from result import NotAResult, Result
 
-LABEL = re.compile(r"\[[^\[\]]+\]$")  # a unit at the end
-
-
-def run(experiment, output, *settings):
-    """Runs an experiment. Returns the exit code."""
-    more = [word for setting in settings for word in ("--set", setting)]
-    command = [PROGRAM, "run", str(experiment), "-o", str(output), "--force", "--quiet", *more]
-    return subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode
-
-
-def plot(*arguments):
-    command = [sys.executable, str(ROOT / "plotting" / "plot.py"), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
-
-
-def panels(figure):
-    return [axes for axes in figure.axes if axes.axison or axes.name == "3d"]
-
-
-def legend_texts(axes):
-    return axes.get_legend_handles_labels()[1]
+ALONG_TIME = ("joints", "tip", "residuals", "energy", "solver", "condition", "global_error", "manipulability", "departure")
+FOR_SOME = ("contact", "self_motion", "cross_coupling", "frequency_response", "poles")  # what this run has not
 
 
 class Figures(unittest.TestCase):
@@ -55,7 +28,7 @@ class Figures(unittest.TestCase):
         assert run(ROOT / "experiments" / "puma560_circle.yaml", cls.file, "duration=0.5") == 0, "the run does not succeed"
         cls.result = Result(cls.file)
         cls.addClassCleanup(cls.result.close)
-        cls.made = {name: make(cls.result) for name, make in FIGURES.items()}
+        cls.made, cls.left_out = make_all(cls.result)
         cls.raw = h5py.File(cls.file, "r")
         cls.addClassCleanup(cls.raw.close)
 
@@ -74,6 +47,15 @@ class Figures(unittest.TestCase):
             self.assertTrue(any(axes.get_xlabel() == "time [s]" for axes in panels(figure)), name)
             for text in labels:
                 self.assertRegex(text, LABEL, name)
+
+    def test_what_does_not_apply_is_left_out_with_a_reason(self):
+        self.assertEqual(tuple(self.made), (*ALONG_TIME, "error_growth"))
+        self.assertEqual(tuple(self.left_out), FOR_SOME)
+        self.assertEqual(self.left_out["contact"], "the experiment has no surface to touch")
+        self.assertEqual(self.left_out["self_motion"], "the arm is not redundant: 6 velocity coordinates, 6 task rows")
+        self.assertIn("no axis was commanded alone", self.left_out["cross_coupling"])
+        self.assertEqual(self.left_out["frequency_response"], "the reference is no sum of sines")
+        self.assertEqual(self.left_out["poles"], "verify.poles is false")
 
     def test_joints(self):
         figure = self.made["joints"]
@@ -115,7 +97,7 @@ class Figures(unittest.TestCase):
         applicable = [name for name, row in verdicts.items() if row.result != -1]
         shown = panels(self.made["residuals"])
         self.assertEqual([axes.get_title(loc="left").split(":")[0] for axes in shown], applicable)
-        self.assertEqual(len(applicable), len(verdicts) - 2)  # no null-space torque, no coordinates
+        self.assertEqual(len(applicable), len(verdicts) - 5)  # no null-space torque, coordinates, sines, poles, contact
         self.assertIn("null_space (no null-space torque)", self.made["residuals"]._supxlabel.get_text())
         steps = self.raw["step_time"][:]
         for axes, name in zip(shown, applicable):
@@ -176,25 +158,13 @@ class Figures(unittest.TestCase):
 
     def test_no_text_overlaps_another(self):
         for name, figure in self.made.items():
-            figure.draw_without_rendering()
-            renderer = figure._get_renderer()
-            boxes = []
-            for axes in panels(figure):
-                if axes.name == "3d":
-                    continue
-                legend = axes.get_legend()
-                for thing in (axes.xaxis.label, axes.yaxis.label, axes.title, axes._left_title, *(legend.get_texts() if legend else ())):
-                    if thing.get_text() and thing.get_visible():
-                        boxes.append((thing.get_text(), thing.get_window_extent(renderer)))
-            boxes.append(("title", figure._suptitle.get_window_extent(renderer)))
-            for i, (one, first) in enumerate(boxes):
-                for other, second in boxes[i + 1 :]:
-                    self.assertFalse(first.overlaps(second), f"{name}: '{one}' and '{other}'")
+            self.assertEqual(overlaps(figure), [], name)
 
     def test_command_makes_every_file(self):
         done = plot(self.file)
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
-        expected = {self.directory / "short_figures" / f"{name}.{kind}" for name in FIGURES for kind in ("png", "pdf")}
+        self.assertEqual(done.returncode, 0)
+        self.assertEqual(done.stderr.splitlines(), [f"plot.py: {name} left out: {why}" for name, why in self.left_out.items()])
+        expected = {self.directory / "short_figures" / f"{name}.{kind}" for name in self.made for kind in ("png", "pdf")}
         self.assertEqual({Path(line) for line in done.stdout.splitlines()}, expected)
         self.assertEqual(set((self.directory / "short_figures").iterdir()), expected)
         for path in expected:
@@ -207,10 +177,19 @@ class Figures(unittest.TestCase):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual({path.name for path in (self.directory / "some").iterdir()}, {"solver.svg", "condition.svg"})
 
+    def test_only_what_does_not_apply(self):
+        done = plot(self.file, "-o", self.directory / "mixed", "--only", "contact", "solver", "slopes", "--format", "png")
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual([Path(line).name for line in done.stdout.splitlines()], ["solver.png"])
+        self.assertEqual(len(done.stderr.splitlines()), 2)
+        self.assertIn("contact left out: the experiment has no surface to touch", done.stderr)
+        self.assertIn("slopes left out: it is not a figure of a run", done.stderr)
+
     def test_list(self):
         done = plot("--list")
-        self.assertEqual((done.returncode, done.stdout.split()), (0, list(FIGURES)))
-        self.assertEqual(done.stdout.split(), "joints tip residuals energy solver condition global_error".split())
+        self.assertEqual((done.returncode, done.stdout.split()), (0, [*FIGURES, *SWEEP_FIGURES]))
+        self.assertEqual(sorted(FIGURES), sorted((*ALONG_TIME, "error_growth", *FOR_SOME)))
+        self.assertEqual(list(SWEEP_FIGURES), ["comparison", "slopes"])
 
     def test_unwritable_output(self):
         done = plot(self.file, "-o", self.file / "figures", "--only", "solver")
@@ -235,7 +214,7 @@ class Edited(unittest.TestCase):
             edit(file)
         return path
 
-    def make(self, path, names=tuple(FIGURES)):
+    def make(self, path, names=ALONG_TIME):
         with Result(path) as result:
             return {name: FIGURES[name](result) for name in names}
 
@@ -250,6 +229,19 @@ class Edited(unittest.TestCase):
         for figure in figures.values():
             self.assertTrue(figure._suptitle.get_text().endswith("\nrun recovered, no verdict"))
         self.assertEqual(panels(figures["residuals"])[0].get_title(loc="left"), "omega")
+
+    def test_made_before_runs_measured(self):
+        def edit(file):
+            for name in ("measured", "departure", "energy/self_motion", "trajectory/tip_force", "operational_space/effective_mass"):
+                del file[name]
+
+        path = self.edited(edit)
+        with Result(path) as result:
+            made, left_out = make_all(result)
+        self.assertEqual(tuple(made), ALONG_TIME[:7])
+        self.assertIn("no /operational_space/effective_mass", left_out["manipulability"])
+        self.assertIn("no /departure/angular_acceleration", left_out["departure"])
+        self.assertIn("no /measured/cross_coupling", left_out["cross_coupling"])
 
     def test_without_a_shadow_run(self):
         figures = self.make(self.file, ("global_error", "residuals"))

@@ -1,0 +1,79 @@
+"""What the tests of the figures share.
+
+Environment: OSCULATE (the program), OSCULATE_SOURCE_DIR (the project's root).
+"""
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+os.environ["MPLBACKEND"] = "Agg"
+PROGRAM = os.environ["OSCULATE"]
+ROOT = Path(os.environ["OSCULATE_SOURCE_DIR"])
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(ROOT / "plotting"))
+
+from figures import FIGURES, SWEEP_FIGURES, NotApplicable  # noqa: E402
+
+LABEL = re.compile(r"\[[^\[\]]+\]$")  # a unit at the end
+
+
+def run(experiment, output, *settings, verb="run"):
+    """Runs an experiment or a sweep. Returns the exit code."""
+    more = [word for setting in settings for word in ("--set", setting)]
+    command = [PROGRAM, verb, str(experiment), "-o", str(output), "--force", *(["--quiet"] if verb == "run" else []), *more]
+    return subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode
+
+
+def plot(*arguments):
+    command = [sys.executable, str(ROOT / "plotting" / "plot.py"), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def make_all(result):
+    """The figures of a run or a sweep by name, and the reasons of those that are left out."""
+    made, left_out = {}, {}
+    for name, make in (SWEEP_FIGURES if result.kind == "sweep" else FIGURES).items():
+        try:
+            made[name] = make(result)
+        except NotApplicable as reason:
+            left_out[name] = str(reason)
+    return made, left_out
+
+
+def panels(figure):
+    return [axes for axes in figure.axes if axes.axison or axes.name == "3d"]
+
+
+def legend_texts(axes):
+    return axes.get_legend_handles_labels()[1]
+
+
+def spans(axes):
+    """Shaded spans along x: pairs (from, to)."""
+    return [tuple(patch.get_xy()[[0, 2], 0]) for patch in axes.patches if hasattr(patch, "get_xy") and patch.get_transform() != axes.transData
+            and len(patch.get_xy()) in (4, 5)]
+
+
+def _texts(axes):
+    """Texts of a panel that are seen, ticks included."""
+    legend = axes.get_legend()
+    yield from (axes.xaxis.label, axes.yaxis.label, axes.title, axes._left_title, *axes.texts, *(legend.get_texts() if legend else ()))
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = sorted(axis.get_view_interval())
+        slack = 1e-6 * (high - low)
+        for tick in axis.get_major_ticks():
+            if tick.label1.get_visible() and low - slack <= tick.get_loc() <= high + slack:
+                yield tick.label1
+
+
+def overlaps(figure):
+    """Pairs of texts that overlap."""
+    figure.draw_without_rendering()
+    renderer = figure._get_renderer()
+    boxes = [("title", figure._suptitle.get_window_extent(renderer))]
+    for axes in panels(figure):
+        if axes.name != "3d":
+            boxes += [(text.get_text(), text.get_window_extent(renderer)) for text in _texts(axes) if text.get_text() and text.get_visible()]
+    return [(one, other) for i, (one, first) in enumerate(boxes) for other, second in boxes[i + 1 :] if first.overlaps(second)]
