@@ -1,6 +1,7 @@
 """Figures of what a whole run measures: cross coupling, growth of the error, frequency response, poles."""
 import numpy as np
 from matplotlib.colors import LogNorm
+from matplotlib.patches import Rectangle
 
 import style
 from style import BLACK, BLUE, GREY, ORANGE, VERMILION, NotApplicable, label
@@ -34,7 +35,9 @@ def cross_coupling(result):
     for axes, part, colours in zip(panels, (slice(0, 3), slice(3, 6)), ("cividis", "viridis")):
         _heat_map(figure, axes, worst[:, part], when[:, part], colours, units[part][0])
         axes.set_xticks(range(3), rows[part])
-        axes.set_title("turning" if part.start == 0 else "sliding", fontsize=9)
+        for i in range(6)[part]:
+            axes.add_patch(Rectangle((i - part.start - 0.47, i - 0.45), 0.94, 0.9, fill=False, edgecolor=VERMILION, linewidth=1.8))
+        axes.set_title(f"{'turning' if part.start == 0 else 'sliding'}; framed: the commanded axis itself", fontsize=9)
         axes.set_xlabel(label("responding axis", units[part][0]))
     panels[0].set_yticks(range(6), rows)
     panels[0].set_ylabel(label("commanded axis", f"{units[0]}; {units[3]}"))
@@ -42,7 +45,7 @@ def cross_coupling(result):
 
 
 def _heat_map(figure, axes, values, when, colours, unit):
-    """Logarithmic colours, numbers and times in the cells; the commanded axis itself is framed, what is absent is grey."""
+    """Logarithmic colours, numbers and times in the cells; what is absent is grey."""
     drawable = values[np.isfinite(values) & (values > 0)]
     low, high = (drawable.min(), drawable.max()) if drawable.size else (1e-16, 1.0)
     norm = LogNorm(low / 1.5, high * 1.5)

@@ -57,8 +57,8 @@ class Residual:
 class Stored:
     """An open file of osculate. Use as a context manager. Also opens what a killed or running program has left so far.
 
-    Rows along /time and /step are cut to the length of the axis: a running program writes the axis last.
-    Raises NotAResult with a message that names the file.
+    Rows along /time and /step are cut to the length that the axis has when the file is opened: a running program writes the
+    axis last and goes on meanwhile. Raises NotAResult with a message that names the file.
     """
 
     maker, kind, required = "", "", ()  # the command, "run" or "sweep", variables that must be there
@@ -74,6 +74,7 @@ class Stored:
                 f"{self.path}: HDF5, but not a result file of osculate: it has no {', '.join(missing)}. "
                 f"Give a file made by {self.maker}."
             )
+        self._rows = {name: self.file[name].shape[0] for name in ("time", "step") if name in self.file}
 
     def close(self):
         self.file.close()
@@ -100,8 +101,7 @@ class Stored:
             return text if data.shape == () else [str(item) for item in text]
         if data.shape == ():
             return data[()]
-        first = self.axes(name)[0]
-        return data[: self.file[first].shape[0]] if first in ("time", "step") else data[()]
+        return data[: self._rows.get(self.axes(name)[0])]
 
     def number(self, name):
         """A scalar, NaN where the file does not have it."""

@@ -100,12 +100,16 @@ NAMED = [
     ("plant_tip_bias", "arm7_lissajous", "kinematics linearization"),
     ("plant_wrench", "puma560_tip_force", "forward_dynamics energy"),
     ("plant_friction", "puma560_circle", "energy linearization"),     # needs friction
+    ("contact_normal", "puma560_force", "energy"),
+    ("contact_damping", "puma560_force", "energy"),
+    ("contact_friction", "puma560_touch", "energy"),                  # needs friction
     ("rotor_energy", "puma560_circle", "energy"),                     # needs armature
     ("weight", "puma560_free_swing", "energy"),
     ("work", "puma560_circle", "energy"),
     # laws
     ("law_command", "puma560_circle", "torque linearization"),
     ("law_command", "puma560_resolved_acceleration", "torque linearization"),    # its second place
+    ("force_feedback", "puma560_force", "force_response"),
     ("law_rows", "puma560_circle", "torque linearization"),
     ("reference_acceleration", "puma560_circle", "analytic_response"),
     ("law_damping", "puma560_circle", "analytic_response"),
@@ -124,6 +128,7 @@ NAMED = [
 EQUIVALENT = {}
 
 SHORT = 0.05              # s, simulated, where a fault is seeded: sampled laws take 13 samples
+LONGER = {"puma560_force": 0.5, "puma560_touch": 1.0}    # s: until the tip has touched
 WHOLE = {"puma560_singular", "puma560_gimbal_lock",    # they are expected to stop, which takes their time
          "planar_2r_line"}                             # rests at first
 MAX_STEPS = 5000          # no faulty run goes on for ever
@@ -172,7 +177,8 @@ def places(fault):
 
 
 def experiments():
-    return sorted(file.stem for file in (ROOT / "experiments").glob("*.yaml"))
+    """The shipped experiments that some fault is named for, and the two that are expected to stop."""
+    return sorted({experiment for _, experiment, _ in NAMED} | (WHOLE & {"puma560_singular", "puma560_gimbal_lock"}))
 
 
 def run(program, experiment, fault="", short=True):
@@ -182,7 +188,7 @@ def run(program, experiment, fault="", short=True):
         environment["OSCULATE_FAULT"] = fault
     settings = ["--set", f"integrator.max_steps={MAX_STEPS}"] if short else []
     if short and experiment not in WHOLE:
-        settings += ["--set", f"duration={SHORT}"]
+        settings += ["--set", f"duration={LONGER.get(experiment, SHORT)}"]
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run([program, "run", "--quiet", str(ROOT / "experiments" / f"{experiment}.yaml"),
                                "-o", str(pathlib.Path(folder) / "out.h5"), *settings],
@@ -210,7 +216,8 @@ def complaint(outcome, claims):
 
 INTRODUCTION = """# Mutation matrix
 
-Made by `./dev mutations`, which runs every fault in every shipped experiment and fails if one is not caught as named.
+Made by `./dev mutations`, which runs every fault in every experiment that a fault is named for, and fails if one is not
+caught as named.
 
 **A fault** is one wrong sign or one wrong line in a recursion, a law, a delay, a coordinate map or the plant. It has a name
 in `src/scalar/fault.hpp` and is seeded by it: `seeded(Fault::weight, x)` is `-x` while that fault is active and `x`
@@ -224,8 +231,8 @@ OSCULATE_FAULT=weight build/dev/osculate_faulty run experiments/puma560_free_swi
 
 **Caught** means: `osculate run` ends with exit code 1, the claims named below fail, and the count is not zero. Experiment
 and claims are named in advance in `tests/mutation/matrix.py`. Experiments are shortened to {short} s
-({whole}: in full) and otherwise as shipped.
-Without a fault, program and copy pass {passing} of {experiments} shipped experiments in full. The bounds that the faults exceed are
+({whole}: in full; {longer}) and otherwise as shipped.
+Without a fault, program and copy pass {passing} of these {experiments} experiments in full. The bounds that the faults exceed are
 those of [bounds.md](bounds.md), measured over 100000 random states.
 """
 
@@ -253,7 +260,8 @@ def page(found, results, passing):
     passing: how many experiments pass without a fault."""
     names = experiments()
     caught = sum(not complaint(results[fault][experiment], claims) for fault, experiment, claims in NAMED)
-    lines = INTRODUCTION.format(short=SHORT, whole=", ".join(sorted(WHOLE)), passing=passing,
+    longer = ", ".join(f"{name}: {duration} s" for name, duration in sorted(LONGER.items()))
+    lines = INTRODUCTION.format(short=SHORT, longer=longer, whole=", ".join(sorted(WHOLE)), passing=passing,
                                 experiments=len(names)).splitlines()
     named = {fault for fault, _, _ in NAMED}
     lines += ["", f"{len(named)} faults, {len(NAMED)} named catches, {caught} of them as named.", "",

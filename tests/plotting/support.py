@@ -62,9 +62,8 @@ def _texts(axes):
     yield from (axes.xaxis.label, axes.yaxis.label, axes.title, axes._left_title, *axes.texts, *(legend.get_texts() if legend else ()))
     for axis in (axes.xaxis, axes.yaxis):
         low, high = sorted(axis.get_view_interval())
-        slack = 1e-6 * (high - low)
         for tick in axis.get_major_ticks():
-            if tick.label1.get_visible() and low - slack <= tick.get_loc() <= high + slack:
+            if tick.label1.get_visible() and low - 1e-9 * abs(low) <= tick.get_loc() <= high + 1e-9 * abs(high):
                 yield tick.label1
 
 
