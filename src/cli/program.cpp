@@ -1,4 +1,6 @@
 // osculate: the command line. Results to stdout, messages and the progress line to stderr.
+#include "cli/program.hpp"
+
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -9,7 +11,6 @@
 
 #include "cli/info.hpp"
 #include "cli/paper.hpp"
-#include "cli/program.hpp"
 #include "cli/terms.hpp"
 #include "experiment/arms.hpp"
 #include "experiment/provenance.hpp"

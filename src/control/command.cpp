@@ -59,8 +59,9 @@ void Controller::decide() {
     for (std::size_t i = 0; i < force.rows.size(); ++i) {
       const int row = force.rows[i];
       // inertia v. = desired + wrench - inertia damping v
-      command_.u[row] = (force.desired[i] + seeded(Fault::force_feedback, known_tip_force_[row])) / force.inertia -
-                        force.damping * command_.tip_velocity[row];
+      command_.u[row] =
+          (force.desired[i] + seeded(Fault::force_feedback, known_tip_force_[row])) / force.inertia -
+          force.damping * command_.tip_velocity[row];
     }
   }
   if (!options_.obstacles.empty()) command_.u.tail<3>() += repulsion(options_.obstacles, command_.tip.p);

@@ -36,10 +36,10 @@ struct SingularArm : std::runtime_error {
 
 /// The law is evaluated at t = 0, period, 2 period, ..., and its torque held in between.
 struct Sampling {
-  double period = 0.001;      // s, > 0
-  Delay delay = Delay::none;  // what is taken from the sample before
-  bool extrapolate = false;   // delayed values x(-1) become 2 x(-1) - x(-2)
-  long monitor_every = 1;     // resolved acceleration: Lambda, c, g are computed at every N-th sample
+  double period = 0.001;        // s, > 0
+  Delay delay = Delay::none;    // what is taken from the sample before
+  bool extrapolate = false;     // delayed values x(-1) become 2 x(-1) - x(-2)
+  long monitor_every = 1;       // resolved acceleration: Lambda, c, g are computed at every N-th sample
   double computation_time = 0;  // s, 0 <= computation_time < period: the torque acts so much after its sample
   bool operator==(const Sampling&) const = default;
 };
@@ -73,8 +73,8 @@ struct LawOptions {
   PositionCoordinates position = PositionCoordinates::cartesian;
   std::optional<Sampling> sampling;  // none: the law acts at every instant
   TextbookLaw textbook = TextbookLaw::dense;
-  bool feedforward = true;       // false: the reference's velocity and acceleration are taken as zero
-  bool know_tip_force = false;   // the law measures the wrench on the tip and takes it into account
+  bool feedforward = true;      // false: the reference's velocity and acceleration are taken as zero
+  bool know_tip_force = false;  // the law measures the wrench on the tip and takes it into account
   std::optional<Vector6> virtual_inertia;  // kg m^2, kg, > 0: impedance, edd -= (wrench on the tip) / inertia
   std::optional<ForceControl> force;
   std::vector<Obstacle> obstacles;  // their fields add to the linear rows of u
@@ -122,8 +122,8 @@ class Controller {
 
   /// Joint torques, base to tip, of a law that acts at every instant; of a sampled one, the next sample.
   /// `tip_force`: wrench on the tip now, which a law that measures it takes into account. Throws SingularArm,
-  /// RepresentationSingular, std::domain_error (at a joint limit or an obstacle whose field has no bound). The
-  /// result refers to this object and lasts until the next call.
+  /// RepresentationSingular, std::domain_error (at a joint limit or an obstacle whose field has no bound).
+  /// The result refers to this object and lasts until the next call.
   const Command& torque(double t, std::span<const double> q, std::span<const double> qd, std::span<double> T,
                         const Vector6& tip_force = Vector6::Zero());
 
@@ -208,7 +208,7 @@ class Controller {
   Pose initial_;
   std::optional<CoordinateChart> chart_;
   Vector6 known_tip_force_ = Vector6::Zero();
-  Vec<Force, double> known_push_;  // the same
+  Vec<Force, double> known_push_;        // the same
   Space space_;                          // the exact recursions: the law itself, or its monitor
   std::optional<SampledSpace> sampled_;  // the same in link frames, with a memory
   std::optional<Resolved> resolved_;

@@ -90,8 +90,8 @@ struct EachAxisOptions {
 /// A sum of sines of equal amplitude on one row; phases by Schroeder (1970), which keep its peak low, minus
 /// the value at t = 0.
 struct MultisineOptions {
-  int row = 3;                                  // 0..5
-  double amplitude = 0.005;                     // rad or m, of each sine
+  int row = 3;                                    // 0..5
+  double amplitude = 0.005;                       // rad or m, of each sine
   std::vector<double> frequencies{0.5, 1, 2, 4};  // Hz, distinct, > 0
 };
 

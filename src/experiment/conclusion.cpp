@@ -35,9 +35,10 @@ std::array<std::string, claim_count> reasons_against(const ClosedLoop& loop, boo
       linearization = "a singularity policy or a torque limit acted everywhere";
   }
   out[index(Claim::null_space)] = delayed ? "the law is delayed on purpose" : "no null-space torque";
-  if (law.law == Law::textbook && !law.null_space.empty()) out[index(Claim::null_space)] = "the law is not (4)";
-  out[index(Claim::coordinates)] = loop.controller().chart() ? out[index(Claim::linearization)]
-                                                             : "no coordinates of its own are tracked";
+  if (law.law == Law::textbook && !law.null_space.empty())
+    out[index(Claim::null_space)] = "the law is not (4)";
+  out[index(Claim::coordinates)] =
+      loop.controller().chart() ? out[index(Claim::linearization)] : "no coordinates of its own are tracked";
   return out;
 }
 
@@ -100,19 +101,22 @@ void add_limits(std::string& out, const char* what, const std::vector<TimeSpent>
 
 void add_measured(std::string& out, const Measured& m) {
   const DepartureResult& d = m.departure;
-  add(out, "tracking error: tip up to %.3e m, %.3e rad; root mean square %.3e m, %.3e rad\n", d.position.value,
-      d.orientation.value, d.position_rms, d.orientation_rms);
+  add(out, "tracking error: tip up to %.3e m, %.3e rad; root mean square %.3e m, %.3e rad\n",
+      d.position.value, d.orientation.value, d.position_rms, d.orientation_rms);
   add(out, "tip acceleration missed u by up to %.2e m/s^2, %.2e rad/s^2\n", d.linear_acceleration.value,
       d.angular_acceleration.value);
   std::size_t most = 0;
   for (std::size_t i = 1; i < d.torque.size(); ++i)
     if (d.torque[i].value > d.torque[most].value) most = i;
   if (!d.torque.empty())
-    add(out, "largest joint torque %.4g at joint coordinate %zu, t = %.4g s\n", d.torque[most].value, most + 1,
-        d.torque[most].time);
+    add(out, "largest joint torque %.4g at joint coordinate %zu, t = %.4g s\n", d.torque[most].value,
+        most + 1, d.torque[most].time);
   if (d.singularity_policy.first)
     add(out, "the singularity policy acted for %.4g s, from %.4g s to %.4g s\n", d.singularity_policy.total,
         *d.singularity_policy.first, *d.singularity_policy.last);
+  if (d.saturated.first)
+    add(out, "a torque limit acted for %.4g s, from %.4g s to %.4g s\n", d.saturated.total,
+        *d.saturated.first, *d.saturated.last);
   if (m.mode_changes > 0) add(out, "%ld changes of contact or of the truncated directions\n", m.mode_changes);
   add_limits(out, "position", d.beyond_position);
   add_limits(out, "velocity", d.beyond_velocity);
@@ -133,7 +137,8 @@ std::string report(const Experiment& experiment, const RunResult& r) {
   add(out, "\n%s: %s, verdict %s%s%s\n", experiment.name.c_str(), r.status.c_str(), r.verdict.c_str(),
       r.message.empty() ? "" : ": ", r.message.c_str());
   if (r.error.known) {
-    add(out, "global error estimate: tip %.2e m, %.2e rad, joints %.2e; energies %.2e J, their balance %.2e J\n",
+    add(out,
+        "global error estimate: tip %.2e m, %.2e rad, joints %.2e; energies %.2e J, their balance %.2e J\n",
         r.error.position, r.error.orientation, r.error.joints, r.error.energy, r.error.imbalance);
     if (!r.measured.growth_fit.word.empty())
       add(out, "its growth in time: %s (exponent %.2f)\n", r.measured.growth_fit.word.c_str(),

@@ -54,12 +54,14 @@ std::vector<Scalar> scalars(const RunResult& r) {
       {"measured/policy_seconds", policy.total, "s", "time for which the singularity policy changed F"},
       {"measured/policy_first", policy.first.value_or(missing), "s", "when it first did"},
       {"measured/policy_last", policy.last.value_or(missing), "s", "when it last did"},
+      {"measured/saturated_seconds", d.saturated.total, "s", "time for which a torque limit acted"},
       {"measured/self_motion", r.measured.self_motion, "J",
        "largest kinetic energy of motion that the tip does not see"},
       {"measured/mode_changes", static_cast<double>(r.measured.mode_changes), "1",
        "changes of contact or of the truncated directions"},
-      {"measured/growth_exponent", r.measured.growth_fit.word.empty() ? missing : r.measured.growth_fit.exponent,
-       "1", "error ~ time^exponent over the later half of log time"},
+      {"measured/growth_exponent",
+       r.measured.growth_fit.word.empty() ? missing : r.measured.growth_fit.exponent, "1",
+       "error ~ time^exponent over the later half of log time"},
   };
 }
 
@@ -70,10 +72,13 @@ void add_coupling(const Measured& m, Ending& out) {
       worst.push_back(m.coupling.worst()(i, j));
       time.push_back(m.coupling.time()(i, j));
     }
-  out.tables.push_back({"measured/cross_coupling", {"spatial", "spatial_column"}, "",
-                        "largest motion along the column's axis while the row's axis alone was commanded, less "
-                        "that of the closed form; rad or m by column",
-                        worst});
+  out.tables.push_back(
+      {"measured/cross_coupling",
+       {"spatial", "spatial_column"},
+       "",
+       "largest motion along the column's axis while the row's axis alone was commanded, less "
+       "that of the closed form; rad or m by column",
+       worst});
   out.tables.push_back(
       {"measured/cross_coupling_time", {"spatial", "spatial_column"}, "s", "when it occurred", time});
 }
@@ -85,9 +90,13 @@ void add_growth(const Measured& m, Ending& out) {
     errors.push_back(bin.error);
   }
   if (ends.empty()) return;
-  out.axes.push_back({.name = "growth_time", .unit = "s", .long_name = "end of the bin", .coordinates = ends});
-  out.tables.push_back({"measured/error_growth", {"growth_time"}, "m",
-                        "largest estimate of the tip position's error in the bin", errors});
+  out.axes.push_back(
+      {.name = "growth_time", .unit = "s", .long_name = "end of the bin", .coordinates = ends});
+  out.tables.push_back({"measured/error_growth",
+                        {"growth_time"},
+                        "m",
+                        "largest estimate of the tip position's error in the bin",
+                        errors});
 }
 
 void add_joints(const DepartureResult& d, Ending& out) {
@@ -102,15 +111,28 @@ void add_joints(const DepartureResult& d, Ending& out) {
     time.push_back(p.time);
   }
   if (peak.empty()) return;
-  out.tables.push_back({"measured/joint_torque_peak", {"velocity_coordinate"}, "",
-                        "largest |joint torque|, see effort_unit", peak});
-  out.tables.push_back({"measured/joint_torque_peak_time", {"velocity_coordinate"}, "s", "when it occurred", time});
-  out.tables.push_back({"measured/seconds_beyond_position", {"position_coordinate"}, "s",
-                        "time outside the position limits of the model", totals(d.beyond_position)});
-  out.tables.push_back({"measured/seconds_beyond_velocity", {"velocity_coordinate"}, "s",
-                        "time above the velocity limit of the model", totals(d.beyond_velocity)});
-  out.tables.push_back({"measured/seconds_beyond_effort", {"velocity_coordinate"}, "s",
-                        "time above the effort limit of the model", totals(d.beyond_effort)});
+  out.tables.push_back({"measured/joint_torque_peak",
+                        {"velocity_coordinate"},
+                        "",
+                        "largest |joint torque|, see effort_unit",
+                        peak});
+  out.tables.push_back(
+      {"measured/joint_torque_peak_time", {"velocity_coordinate"}, "s", "when it occurred", time});
+  out.tables.push_back({"measured/seconds_beyond_position",
+                        {"position_coordinate"},
+                        "s",
+                        "time outside the position limits of the model",
+                        totals(d.beyond_position)});
+  out.tables.push_back({"measured/seconds_beyond_velocity",
+                        {"velocity_coordinate"},
+                        "s",
+                        "time above the velocity limit of the model",
+                        totals(d.beyond_velocity)});
+  out.tables.push_back({"measured/seconds_beyond_effort",
+                        {"velocity_coordinate"},
+                        "s",
+                        "time above the effort limit of the model",
+                        totals(d.beyond_effort)});
 }
 
 void add_frequency(const FrequencyResponse& response, Ending& out) {
@@ -124,8 +146,10 @@ void add_frequency(const FrequencyResponse& response, Ending& out) {
     error.push_back(p.error);
     bound.push_back(p.bound);
   }
-  out.axes.push_back(
-      {.name = "frequency", .unit = "Hz", .long_name = "frequencies of the reference", .coordinates = frequency});
+  out.axes.push_back({.name = "frequency",
+                      .unit = "Hz",
+                      .long_name = "frequencies of the reference",
+                      .coordinates = frequency});
   const auto add = [&out](const char* name, const char* unit, const char* about, std::vector<double> values) {
     out.tables.push_back(
         {std::string("frequency_response/") + name, {"frequency"}, unit, about, std::move(values)});

@@ -63,8 +63,9 @@ LawOptions law_options(const Experiment& experiment, const Arms& arms) {
   if (experiment.base_motion && !std::holds_alternative<HoldOptions>(*experiment.base_motion))
     law.base_path = path_of(*experiment.base_motion, {}, experiment.duration);
   if (c.law == Law::textbook && c.textbook == TextbookLaw::jacobian_transpose)
-    law.constant_inertia = inertia_diagonal(arms.model, positions(arms.model, std::span<const double>(experiment.q)), c.rows,
-                                            base_motion(law.base_path.get(), 0));
+    law.constant_inertia =
+        inertia_diagonal(arms.model, positions(arms.model, std::span<const double>(experiment.q)), c.rows,
+                         base_motion(law.base_path.get(), 0));
   return law;
 }
 

@@ -1,7 +1,7 @@
 #include "experiment/measurements.hpp"
 
-#include <cmath>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "control/rotation.hpp"
@@ -15,6 +15,16 @@ namespace {
 // The transient has then decayed to the rounding of the tip position.
 constexpr double decayed = 1e-13;
 
+/// Task rows that follow the pose of the reference: all but those under force control.
+TaskRows tracked(const LawOptions& law) {
+  TaskRows out = law.rows;
+  if (law.force)
+    std::erase_if(out, [&](int row) {
+      return std::find(law.force->rows.begin(), law.force->rows.end(), row) != law.force->rows.end();
+    });
+  return out;
+}
+
 DepartureInput departure_of(const Observation& seen) {
   DepartureInput at;
   at.tip_acceleration = seen.tip_acceleration;
@@ -24,6 +34,7 @@ DepartureInput departure_of(const Observation& seen) {
   at.qd = seen.qd;
   at.torque = seen.torque;
   at.singularity_policy = seen.command.filtered;
+  at.saturated = seen.command.saturated;
   return at;
 }
 
@@ -33,7 +44,7 @@ Measurements::Measurements(const Experiment& experiment, const Arms& arms, const
     : experiment_(experiment),
       law_(loop.controller().options()),
       initial_(loop.controller().initial()),
-      departure_(law_.rows, joint_limits(arms.description)),
+      departure_(law_.rows, tracked(law_), joint_limits(arms.description)),
       path_(loop.controller().shared_path()) {
   const auto* sines = std::get_if<MultisineOptions>(&experiment.reference);
   const bool controls = sines && std::find(law_.rows.begin(), law_.rows.end(), sines->row) != law_.rows.end();
@@ -66,9 +77,7 @@ void Measurements::linearise(ClosedLoop loop, std::span<const double> y) {
   if (!no_poles_.empty()) return;
   try {
     out_.poles = check_poles(loop, 0, y);
-  } catch (const std::domain_error& error) {
-    no_poles_ = error.what();
-  }
+  } catch (const std::domain_error& error) { no_poles_ = error.what(); }
 }
 
 void Measurements::step(const Observation& seen, double h, const TrajectoryClaims& along,
@@ -97,7 +106,8 @@ ClaimResult Measurements::frequency_result(const GlobalError& error) {
   if (!error.known) return out;
   try {
     const double off = error_multiple * (row_ < 3 ? error.orientation : error.position);
-    out_.frequency = compare(*tip_fit_, reference_fit_->amplitudes(), law_.stiffness[row_], law_.damping[row_], off);
+    out_.frequency =
+        compare(*tip_fit_, reference_fit_->amplitudes(), law_.stiffness[row_], law_.damping[row_], off);
   } catch (const std::domain_error& few) {
     out.reason = few.what();
     return out;

@@ -159,8 +159,9 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
   along_time("operational_space/F", {"spatial"}, "", "commanded tip force F_c", true);
   along_time("operational_space/cond_Omega", {}, "1",
              "condition number of Omega on the task rows, scaled to unit diagonal", true);
-  along_time("operational_space/sigma_min", {}, "1",
-             "smallest eigenvalue of Omega on the task rows, scaled by the mean diagonal entry of each block");
+  along_time(
+      "operational_space/sigma_min", {}, "1",
+      "smallest eigenvalue of Omega on the task rows, scaled by the mean diagonal entry of each block");
   along_time("operational_space/effective_mass", {"principal"}, "kg", "principal effective masses of the tip",
              true);
   along_time("operational_space/effective_mass_axes", {"principal", "xyz"}, "1", "their unit directions");
@@ -191,10 +192,11 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
               Kind::real, true);
   along_steps("departure/angular_acceleration", "rad/s^2", "length of tip acceleration - u, task rows",
               Kind::real, true);
-  along_steps("departure/linear_acceleration", "m/s^2", "length of tip acceleration - u, task rows", Kind::real,
-              true);
+  along_steps("departure/linear_acceleration", "m/s^2", "length of tip acceleration - u, task rows",
+              Kind::real, true);
   along_steps("solver/contact", "1", "1 while the tip is in contact", Kind::small, false);
-  along_steps("solver/truncated", "1", "directions that the singularity policy leaves out", Kind::small, false);
+  along_steps("solver/truncated", "1", "directions that the singularity policy leaves out", Kind::small,
+              false);
   for (const auto& claim : claim_table) {
     const std::string path = "verification/" + std::string(claim.id);
     along_steps(path, "1", "residual of the claim " + std::string(claim.id), Kind::real, true);

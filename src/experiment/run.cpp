@@ -131,7 +131,7 @@ class Runner {
     Stops stops(experiment_, problem_.controller());
     while (const std::optional<Stop> stop = stops.next()) {
       // A law that acts at every instant sees a jump of its reference at the stop from the left up to there.
-      limit_ = stop->kind == Stop::Kind::end ? stop->time : std::nextafter(stop->time, 0.0);
+      limit_ = stop->jumps ? std::nextafter(stop->time, 0.0) : stop->time;
       main.limit = limit_;
       if (shadow) shadow->limit = limit_;
       while (main.integrator.t() < stop->time) {
@@ -194,7 +194,9 @@ class Runner {
     problem_.set_modes(main.loop.modes());
     if (shadow) {
       const Timed timed(result_.times.shadow);
-      while (shadow->integrator.t() < step.t) shadow->step(stop.time);
+      // A one-step method stops where the run is, for nothing; the others would lose their order.
+      const bool meets = experiment_.integrator.method == Method::runge_kutta;
+      while (shadow->integrator.t() < step.t) shadow->step(meets ? step.t : stop.time);
     }
     ++result_.steps;
     last_step_ = step;
@@ -215,8 +217,8 @@ class Runner {
     const double t = at_sample ? step.t : std::min(step.t, limit_);  // a jump is seen from the left
     Evidence evidence = gather(problem_, t, y, at_sample);
     if (at_sample && delayed_law_)
-      evidence.delayed_torque = delayed_law_->torque(problem_.q(y.data()), evidence.qd, evidence.u, evidence.T0,
-                                                     evidence.known_tip_force);
+      evidence.delayed_torque = delayed_law_->torque(problem_.q(y.data()), evidence.qd, evidence.u,
+                                                     evidence.T0, evidence.known_tip_force);
     residuals_ = assess(evidence);
     if (at_sample && problem_.controller().options().sensors) {
       const Residuals measured = assess(gather_as_measured(problem_, evidence));
@@ -233,15 +235,16 @@ class Runner {
     const Residuals along = trajectory_->assess(seen, result_.error);
     for (const Claim claim : {Claim::analytic_response, Claim::decoupling})
       residuals_[index(claim)] = along[index(claim)];
-    residuals_[index(Claim::force_response)] =
-        force_.assess(seen, problem_.modes().contact, result_.error);
+    residuals_[index(Claim::force_response)] = force_.assess(seen, problem_.modes().contact, result_.error);
     worse_ = verdict_.add(step.t, residuals_);
     residuals_[index(Claim::energy)] = along[index(Claim::energy)];
     filtered_ = filtered_ || seen.command.filtered || seen.command.saturated;
     // The first samples fill the memory of a delayed law.
     const bool acts = !problem_.sampled() || (at_sample && (!delayed_law_ || result_.samples > 3));
-    measurements_.step(seen, at_sample ? 0 : step.h, *trajectory_, result_.error, self_motion(evidence), acts);
-    missed_ = seen.tip_acceleration - seen.command.u;
+    measurements_.step(seen, at_sample ? 0 : step.h, *trajectory_, result_.error, self_motion(evidence),
+                       acts);
+    missed_ = acts ? Vector6(seen.tip_acceleration - seen.command.u)
+                   : Vector6(Vector6::Constant(std::numeric_limits<double>::quiet_NaN()));
   }
 
   /// After a stop: is the arm where it stopped as the recursions say? Omega, the plant and the kinematics can
@@ -285,7 +288,8 @@ class Runner {
         std::copy(main.integrator.state().begin(), main.integrator.state().end(), row_state_.begin());
       const Observation& seen = problem_.observe(std::min(t, limit_), row_state_);
       measurements_.sample(t, seen.command.tip);
-      if (recording_) recording_->output(seen, problem_.controller().options().rows, problem_.controller().terms(seen.qd));
+      if (recording_)
+        recording_->output(seen, problem_.controller().options().rows, problem_.controller().terms(seen.qd));
     }
   }
 
@@ -313,7 +317,8 @@ class Runner {
     result_.claims[index(Claim::poles)] = measurements_.poles_result();
     if (trajectory_) {
       result_.claims[index(Claim::energy)] = trajectory_->energy_result();
-      result_.analytic = result_.claims[index(Claim::analytic_response)].checked_steps > 0;
+      result_.analytic = result_.claims[index(Claim::analytic_response)].checked_steps > 0 ||
+                         trajectory_->reason(Claim::analytic_response).empty();
       result_.worst_position = trajectory_->worst_position();
       result_.worst_orientation = trajectory_->worst_orientation();
     }

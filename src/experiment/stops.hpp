@@ -17,6 +17,7 @@ struct Stop {
     apply,   // the torque of the last sample begins to act
     end,     // the duration
   } kind = Kind::end;
+  bool jumps = true;  // something may jump at that time: up to there it is seen from the left
 };
 
 /// The stops of a run in order: the samples of a sampled law and the times at which their torques begin to
@@ -34,6 +35,7 @@ class Stops {
       for (const double t : base->breakpoints()) jumps_.push_back(t);
     std::sort(jumps_.begin(), jumps_.end());
     jumps_.erase(std::unique(jumps_.begin(), jumps_.end()), jumps_.end());
+    may_jump_at_end_ = !jumps_.empty() && !controller.path().moves();
   }
 
   /// Nothing after the last.
@@ -42,7 +44,7 @@ class Stops {
     Stop stop = following();
     // A last sample that is the duration to rounding counts as the duration.
     if (stop.kind == Stop::Kind::end || stop.time > duration_ - 1e-9 * period_ || stop.time >= duration_)
-      stop = {duration_, Stop::Kind::end};
+      stop = {duration_, Stop::Kind::end, may_jump_at_end_};
     done_ = stop.kind == Stop::Kind::end;
     return stop;
   }
@@ -65,7 +67,7 @@ class Stops {
   double duration_, period_ = 0, late_ = 0;
   std::vector<double> jumps_;
   long number_ = 0;
-  bool applied_ = true, done_ = false;
+  bool applied_ = true, done_ = false, may_jump_at_end_ = false;
 };
 
 }  // namespace osculate

@@ -17,7 +17,8 @@ Vector6 to_vector6(const Vec<Space, double>& v) {
 
 Vec<Force, double> to_force(const Vector6& v) { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
 
-// A measure this many times above the threshold is taken from the law's last evaluation, which is near enough.
+// A measure this many times above the threshold is taken from the law's last evaluation, which is near
+// enough.
 constexpr double far_from_singular = 1e3;
 
 }  // namespace
@@ -64,9 +65,7 @@ void ClosedLoop::control(double t, const double* y) {
     throw IntegrationStopped(Reason::singular, error.what());
   } catch (const RepresentationSingular& error) {
     throw IntegrationStopped(Reason::singular, error.what() + at());
-  } catch (const std::domain_error& error) {
-    throw IntegrationStopped(Reason::failed, error.what() + at());
-  }
+  } catch (const std::domain_error& error) { throw IntegrationStopped(Reason::failed, error.what() + at()); }
 }
 
 void ClosedLoop::sample(double t, std::span<const double> y) {
@@ -186,7 +185,8 @@ bool ClosedLoop::plant_is_model() const {
 }
 
 Vector6 ClosedLoop::plant_tip_velocity() const {
-  return std::visit([](const auto& dynamics) { return to_vector6(dynamics.tip_velocity()); }, plant_dynamics_);
+  return std::visit([](const auto& dynamics) { return to_vector6(dynamics.tip_velocity()); },
+                    plant_dynamics_);
 }
 
 const Observation& ClosedLoop::observe(double t, std::span<const double> y) {

@@ -22,10 +22,11 @@ namespace osculate {
 /// The arm as it really is; its controller may believe something else.
 struct Plant {
   Chain<double> chain;
-  std::vector<JointFriction> friction;    // for each velocity coordinate; empty: none
-  Vector6 tip_force = Vector6::Zero();    // N m, N: constant wrench on the tip, inertial axes, about the tip point
+  std::vector<JointFriction> friction;  // for each velocity coordinate; empty: none
+  Vector6 tip_force =
+      Vector6::Zero();  // N m, N: constant wrench on the tip, inertial axes, about the tip point
   std::optional<Environment> environment = {};  // a surface that the tip may touch
-  bool dense = false;                      // accelerations by the definitions instead of the recursion
+  bool dense = false;                           // accelerations by the definitions instead of the recursion
 };
 
 /// Everything worth recording at one instant. Inertial frame, about the tip point, angular part first; joints
@@ -70,12 +71,12 @@ class ClosedLoop {
   /// object for each integrator.
   void right_side(double t, const double* y, double* yd);
 
-  /// Functions whose zeros are events: gap and pressure of a surface, the rim of each obstacle's field, and of
-  /// a law that acts at every instant what its singularity policy looks at.
+  /// Functions whose zeros are events: gap and pressure of a surface, the rim of each obstacle's field, and
+  /// of a law that acts at every instant what its singularity policy looks at.
   int event_count() const;
   void events(double t, const double* y, double* g);
-  /// The modes that (t, y) asks for become those of f. True if any changed. Throws IntegrationStopped where the
-  /// arm is as singular as the law allows.
+  /// The modes that (t, y) asks for become those of f. True if any changed. Throws IntegrationStopped where
+  /// the arm is as singular as the law allows.
   bool switch_modes(double t, std::span<const double> y);
   const Modes& modes() const { return modes_; }
   void set_modes(const Modes& modes);

@@ -7,7 +7,8 @@
 
 namespace osculate {
 
-/// The calls of BasicForwardDynamics. Inertial frame, about the tip point; joint lists base to tip. Allocates.
+/// The calls of BasicForwardDynamics. Inertial frame, about the tip point; joint lists base to tip.
+/// Allocates.
 class DensePlant {
  public:
   explicit DensePlant(const Chain<double>& chain) : chain_(chain) {}

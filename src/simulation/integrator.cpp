@@ -31,6 +31,9 @@ constexpr int nonlinear_iterations = 12;
 
 // No arm has motions this short: a step below it means that the solution cannot be followed.
 constexpr double smallest_step = 1e-11;  // s
+// What stands for an event function of 0, with the sign it had before: small, but far enough from underflow
+// for the secants of the root finder.
+constexpr double as_good_as_zero = 1e-100;
 // A step that shrinks to nothing within so many steps of a failed right-hand side shrank because of it.
 constexpr long recent_steps = 100;
 
@@ -198,9 +201,10 @@ struct Integrator::Impl {
   /// the caller can tell from the signs what comes next.
   static int event_functions(sunrealtype t, N_Vector y, sunrealtype* g, void* self_pointer) {
     auto& self = *static_cast<Impl*>(self_pointer);
+    if (!std::isfinite(t)) return -1;
     const int flag = self.guarded(t, [&] { self.events(t, N_VGetArrayPointer(y), g); });
     for (std::size_t i = 0; i < self.sides.size(); ++i)
-      if (g[i] == 0) g[i] = self.sides[i] * std::numeric_limits<double>::min();
+      if (g[i] == 0) g[i] = self.sides[i] * as_good_as_zero;
     return flag;
   }
 

@@ -220,6 +220,8 @@ Residuals assess(const Evidence& e) {
     at(Claim::c_plus_g) = bounded(
         Claim::c_plus_g, weighted(r.c_plus_g, e.terms.c + e.terms.g, scale.Lambda * (scale.c + scale.g), d),
         condition);
+    for (const Claim claim : {Claim::lambda, Claim::c, Claim::g, Claim::c_plus_g})
+      if (e.filtered && !(at(claim).bound <= undecided_bound)) at(claim) = not_applicable();
   }
   if (!e.controlled && !e.linearized) return out;
 

@@ -86,11 +86,12 @@ struct Evidence {
   VectorX<double> T0, net_torque;             // null-space torque; torque on the plant without friction
   Vector6 tip_force = Vector6::Zero();        // on the plant
   Vector6 known_tip_force = Vector6::Zero();  // what the law knows of it
-  bool controlled = true;  // false: the law does not act at this instant, or never, or not by (4)
-  bool linearized = true;                     // false: (5) need not hold
-  bool one_solve = true;  // F comes from one solve with Omega, (4); false: from an explicit inverse
-  BaseMotion<double> base;                    // at rest unless the experiment moves it
-  double reach = 1;                           // m, sum of the link offsets
+  bool controlled = true;   // false: the law does not act at this instant, or never, or not by (4)
+  bool linearized = true;   // false: (5) need not hold
+  bool filtered = false;    // a singularity policy acts: where Lambda is out of reach, nobody asked for it
+  bool one_solve = true;    // F comes from one solve with Omega, (4); false: from an explicit inverse
+  BaseMotion<double> base;  // at rest unless the experiment moves it
+  double reach = 1;         // m, sum of the link offsets
   Vector3<double> gravity = Vector3<double>::Zero();  // m/s^2
 
   // from the recursions

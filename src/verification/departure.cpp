@@ -27,12 +27,12 @@ void TimeSpent::add(double t, double h) {
   last = t;
 }
 
-Departure::Departure(TaskRows rows, JointLimits limits)
-    : rows_(std::move(rows)), limits_(std::move(limits)) {}
+Departure::Departure(TaskRows rows, TaskRows tracked, JointLimits limits)
+    : rows_(std::move(rows)), tracked_(std::move(tracked)), limits_(std::move(limits)) {}
 
-Departure::Lengths Departure::lengths(const Vector6& v) const {
+Departure::Lengths Departure::lengths(const Vector6& v, const TaskRows& rows) {
   Lengths out;
-  for (const int row : rows_) {
+  for (const int row : rows) {
     double& length = row < 3 ? out.angular : out.linear;
     length = std::hypot(length, v[row]);
   }
@@ -40,7 +40,8 @@ Departure::Lengths Departure::lengths(const Vector6& v) const {
 }
 
 void Departure::add(double t, double h, const DepartureInput& at) {
-  const Lengths acceleration = lengths(at.tip_acceleration - at.u), error = lengths(at.error);
+  const Lengths acceleration = lengths(at.tip_acceleration - at.u, rows_),
+                error = lengths(at.error, tracked_);
   if (at.acts) {
     so_far_.angular_acceleration.add(t, acceleration.angular);
     so_far_.linear_acceleration.add(t, acceleration.linear);
@@ -58,6 +59,7 @@ void Departure::add(double t, double h, const DepartureInput& at) {
   so_far_.torque.resize(at.torque.size());
   for (std::size_t i = 0; i < at.torque.size(); ++i) so_far_.torque[i].add(t, std::abs(at.torque[i]));
   if (at.singularity_policy) so_far_.singularity_policy.add(t, h);
+  if (at.saturated) so_far_.saturated.add(t, h);
   // Written so that not-a-number is beyond every limit.
   const auto& [lower, upper, velocity, effort] = limits_;
   spend(so_far_.beyond_position, std::min(lower.size(), at.q.size()), t, h,

@@ -44,6 +44,7 @@ struct DepartureInput {
   Vector6 error = Vector6::Zero();             // rad, m, tracking error
   std::span<const double> q, qd, torque;       // rad or m and their rates; N m or N
   bool singularity_policy = false;             // the law's task is not the one asked for
+  bool saturated = false;                      // a torque limit acts
   bool acts = true;  // u is the command of this instant; false between the samples of a sampled law
 };
 
@@ -54,14 +55,15 @@ struct DepartureResult {
   Peak orientation, position;  // rad, m: length of the tracking error on the task rows
   double orientation_rms = 0, position_rms = 0;  // rad, m: root mean square over time, by trapezoids
   std::vector<Peak> torque;                      // N m or N, |T| of each velocity coordinate
-  TimeSpent singularity_policy;
+  TimeSpent singularity_policy, saturated;
   std::vector<TimeSpent> beyond_position;                 // for each position coordinate
   std::vector<TimeSpent> beyond_velocity, beyond_effort;  // for each velocity coordinate
 };
 
 class Departure {
  public:
-  explicit Departure(TaskRows rows, JointLimits limits = {});
+  /// `rows`: on which acceleration follows u; `tracked`: those of them that follow the reference's pose.
+  Departure(TaskRows rows, TaskRows tracked, JointLimits limits = {});
 
   /// The end, at t, of a step of length h, s; the start of the run with h = 0. What holds at the end of a
   /// step counts for all of it.
@@ -73,9 +75,9 @@ class Departure {
   struct Lengths {
     double angular = 0, linear = 0;
   };
-  Lengths lengths(const Vector6& v) const;
+  static Lengths lengths(const Vector6& v, const TaskRows& rows);
 
-  TaskRows rows_;
+  TaskRows rows_, tracked_;
   JointLimits limits_;
   DepartureResult so_far_;
   Lengths last_error_;

@@ -57,7 +57,7 @@ Residual ForceTracking::assess(const Observation& seen, bool contact, const Glob
   const ErrorState exact = depth_response(loop_, *start_, seen.t - start_time_);
   const double scale = loop_.desired;
   const double off = std::abs(seen.touch.pressure - pressure(loop_, exact));
-  const double floor = rounding_ + error.tolerance * reach_;  // m
+  const double floor = rounding_ + error.tolerance * reach_;       // m
   const double rate = std::sqrt(loop_.stiffness / loop_.inertia);  // 1/s
   const double allowed = loop_.stiffness * (error_multiple * error.position + floor) +
                          loop_.damping * (error_multiple * error.velocity + floor * rate);

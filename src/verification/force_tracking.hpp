@@ -23,10 +23,10 @@ class ForceTracking {
  private:
   std::string reason_;
   ForceLoop loop_;
-  double reach_ = 1;                  // m, of the arm
-  double rounding_ = 0;               // of the depth, m
-  double start_time_ = 0;             // s
-  std::optional<ErrorState> start_;   // depth and rate at the first instant in contact
+  double reach_ = 1;                 // m, of the arm
+  double rounding_ = 0;              // of the depth, m
+  double start_time_ = 0;            // s
+  std::optional<ErrorState> start_;  // depth and rate at the first instant in contact
 };
 
 }  // namespace osculate

@@ -21,7 +21,8 @@ std::string omission(const LawOptions& law) {
   const TextbookLaw kind = law.textbook;
   if (kind == TextbookLaw::dense) return "";
   // These two differ from (16) by what they let through of a null-space torque.
-  const bool other_null_space = kind == TextbookLaw::pseudo_inverse || kind == TextbookLaw::kinematic_null_space;
+  const bool other_null_space =
+      kind == TextbookLaw::pseudo_inverse || kind == TextbookLaw::kinematic_null_space;
   if (other_null_space && law.null_space.empty()) return "";
   for (const TextbookLawInfo& info : textbook_laws())
     if (info.law == kind) return std::string(info.omits);
@@ -37,13 +38,15 @@ Evidence gather(ClosedLoop& loop, double t, std::span<const double> y, bool at_s
   const bool acts = law.law != Law::free && (!loop.sampled() || at_sample);
   const bool by_definition = law.law != Law::textbook || law.textbook == TextbookLaw::dense;
   // Between its samples, before its torque is applied and with values of the sample before, a law is not (5).
-  const bool late = law.sampling && (law.sampling->delay != Delay::none || law.sampling->computation_time > 0);
+  const bool late =
+      law.sampling && (law.sampling->delay != Delay::none || law.sampling->computation_time > 0);
   const bool disturbed = seen.command.filtered || seen.command.saturated || law.sensors;
 
   Evidence e;
   e.rows = rows;
   e.controlled = acts && by_definition && !seen.command.filtered && !law.sensors;
   e.linearized = acts && loop.plant_is_model() && omission(law).empty() && !late && !disturbed;
+  e.filtered = seen.command.filtered;
   e.one_solve = law.law != Law::textbook;
   e.base = loop.base(t);
   e.reach = reach(plant.chain);
@@ -90,7 +93,8 @@ Evidence gather_as_measured(const ClosedLoop& loop, const Evidence& at) {
   e.linearized = false;
   e.base = at.base;
   e.reach = at.reach;
-  fill_dense_side(e, controller.model(), controller.model(), controller.known_q(), at.terms.Lambda.size() > 0);
+  fill_dense_side(e, controller.model(), controller.model(), controller.known_q(),
+                  at.terms.Lambda.size() > 0);
   return e;
 }
 

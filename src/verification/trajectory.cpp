@@ -36,8 +36,7 @@ void GlobalError::add(const Observation& run, const Observation& shadow) {
   position_now = (a.p - b.p).norm();
   position = std::max(position, position_now);
   velocity = std::max(velocity, (run.command.tip_velocity - shadow.command.tip_velocity).tail<3>().norm());
-  for (std::size_t i = 0; i < run.q.size(); ++i)
-    joints = std::max(joints, std::abs(run.q[i] - shadow.q[i]));
+  for (std::size_t i = 0; i < run.q.size(); ++i) joints = std::max(joints, std::abs(run.q[i] - shadow.q[i]));
   orientation = std::max(orientation, log_rotation(a.R * b.R.transpose()).norm());
   energy =
       std::max(energy, std::abs(total_energy(run) - total_energy(shadow)) + std::abs(run.work - shadow.work) +
@@ -58,8 +57,9 @@ TrajectoryClaims::TrajectoryClaims(const ClosedLoop& loop, const Observation& st
       energy_start_(total_energy(start)),
       potential_start_(start.potential) {
   plant_is_model_ = loop.plant_is_model();
-  double weight = 0;  // N
-  for (const auto& link : loop.plant().chain.links) weight += link.mass * loop.plant().chain.gravity.norm();
+  const double gravity = std::max(1.0, loop.plant().chain.gravity.norm());  // m/s^2; some arms float in space
+  double weight = 0;                                                        // N
+  for (const auto& link : loop.plant().chain.links) weight += link.mass * gravity;
   energy_floor_ = 1e-9 * weight * reach_;
   const bool own[] = {options_.orientation != OrientationCoordinates::rotation_vector,
                       options_.position != PositionCoordinates::cartesian};
@@ -94,9 +94,9 @@ std::string TrajectoryClaims::reason(Claim claim) const {
     return options_.force ? "no row is under position control"
                           : "the law tracks coordinates of its own: see the claim coordinates";
   if (!plant_is_model_) return "plant and model differ on purpose";
-  if (const std::string part = omission(options_); !part.empty()) return "the law omits " + part + " on purpose";
-  if (!options_.feedforward && path_->moves())
-    return "without feed-forward the reference drives the error";
+  if (const std::string part = omission(options_); !part.empty())
+    return "the law omits " + part + " on purpose";
+  if (!options_.feedforward && path_->moves()) return "without feed-forward the reference drives the error";
   if (!options_.obstacles.empty()) return "the field of an obstacle acts on u";
   if (options_.virtual_inertia && pushed_) return "the wrench on the tip acts on u";
   if (left_the_law_) return "a singularity policy or a torque limit acted";

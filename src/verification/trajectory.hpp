@@ -3,8 +3,8 @@
 // A local tolerance bounds no global error. The estimate is the largest difference so far between the run and
 // its shadow, the same problem at a hundredth of the tolerances: their errors differ by so much more than the
 // shadow's own that the difference is the run's error. A claim is bounded by `error_multiple` times it, plus
-// rounding, plus the local error that the integrator is allowed in one step: in the first steps after a start the
-// shadow is no better than the run.
+// rounding, plus the local error that the integrator is allowed in one step: in the first steps after a start
+// the shadow is no better than the run.
 #pragma once
 
 #include <map>
@@ -18,15 +18,15 @@ namespace osculate {
 
 /// Estimate of the run's true error: the largest difference from the shadow so far.
 struct GlobalError {
-  double position = 0;     // m, tip point
-  double orientation = 0;  // rad, tip
-  double velocity = 0;     // m/s, tip point
-  double joints = 0;       // rad and m together: largest difference of a joint position
+  double position = 0;      // m, tip point
+  double orientation = 0;   // rad, tip
+  double velocity = 0;      // m/s, tip point
+  double joints = 0;        // rad and m together: largest difference of a joint position
   double position_now = 0;  // m, tip point, at the last checked step alone
-  double energy = 0;       // J, sum over kinetic + potential, work, dissipated and external work
-  double imbalance = 0;    // J, of their balance, in which the errors of work and loss mostly cancel
-  bool known = false;      // false without a shadow run
-  double tolerance = 0;    // local error that the integrator allows in a joint of the size of 1 rad or 1 m
+  double energy = 0;        // J, sum over kinetic + potential, work, dissipated and external work
+  double imbalance = 0;     // J, of their balance, in which the errors of work and loss mostly cancel
+  bool known = false;       // false without a shadow run
+  double tolerance = 0;     // local error that the integrator allows in a joint of the size of 1 rad or 1 m
 
   void add(const Observation& run, const Observation& shadow);
 };
@@ -57,8 +57,8 @@ class TrajectoryClaims {
 
   /// Rows that the reference moves in the present segment.
   const std::array<bool, 6>& commanded() const { return commanded_; }
-  /// Error minus the error of the closed-form solution, at the last assessed instant; rad, m. Nothing where the
-  /// claim analytic_response does not apply.
+  /// Error minus the error of the closed-form solution, at the last assessed instant; rad, m. Nothing where
+  /// the claim analytic_response does not apply.
   const std::optional<Vector6>& off() const { return off_; }
 
   /// Largest distance of the tip from the closed-form solution so far: m, rad.

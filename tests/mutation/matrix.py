@@ -128,7 +128,7 @@ NAMED = [
 EQUIVALENT = {}
 
 SHORT = 0.05              # s, simulated, where a fault is seeded: sampled laws take 13 samples
-LONGER = {"puma560_force": 0.5, "puma560_touch": 1.0}    # s: until the tip has touched
+LONGER = {"puma560_force": 0.26, "puma560_touch": 1.0}    # s: until the tip has touched
 WHOLE = {"puma560_singular", "puma560_gimbal_lock",    # they are expected to stop, which takes their time
          "planar_2r_line"}                             # rests at first
 MAX_STEPS = 5000          # no faulty run goes on for ever

@@ -18,6 +18,7 @@ ARM, SWEEPS, SPACE, RESOLVED, PLANT, TASK = (
     for name in ("arm", "sweeps", "operational_space", "resolved_acceleration", "forward_dynamics", "task"))
 MAP, PSI, HINGE, JOINT = (f"src/spatial/{name}.hpp" for name in ("map", "psi", "hinge", "joint"))
 LAW = "src/control/law.cpp"
+COMMAND = "src/control/command.cpp"
 CHART = "src/control/coordinates.hpp"
 
 # File: short name, name of the test.
@@ -78,7 +79,7 @@ TESTS = {
 BY_HAND = [
     (1, "beta = Pi ydot", CHART, "CoordinateChart::velocity", "Pi"),
     (1, "u = Pi v + Pidot ydot, so that yddot = v", CHART, "CoordinateChart::command", "chart"),
-    (1, "u within the law", LAW, "Controller::decide", "faults"),
+    (1, "u within the law", COMMAND, "Controller::decide_in_coordinates", "faults"),
     (1, "yddot = v along a run: claim `coordinates`", "src/verification/coordinate_check.hpp", "judge_chart", "faults"),
     (2, "Lambda(0) beta_dot + c(0) + g(0) = F(0)", DENSE, "task_terms", "six links"),
     (3, "T = J* F(0)", SWEEPS, "sweep_torques", "proof, sweeps"),

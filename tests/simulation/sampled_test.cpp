@@ -34,7 +34,7 @@ double sample_error(const Experiment& e, double period, Delay delay, bool extrap
   std::vector<double> y(loop.states(), 0.0);
   std::copy(e.q.begin(), e.q.end(), y.begin());
   Integrator integrator([&loop](double t, const double* x, double* xd) { loop.right_side(t, x, xd); }, 0, y,
-                   tolerances(y.size(), 1e-9));
+                        tolerances(y.size(), 1e-9));
   double worst = 0;
   const int samples = static_cast<int>(std::lround(0.4 / period));
   for (int k = 0; k <= samples; ++k) {
@@ -119,7 +119,7 @@ TEST_CASE("the quaternion of a tumbling body keeps its length, and returns to it
     std::copy(e.qd.begin(), e.qd.end(), y.begin() + static_cast<std::ptrdiff_t>(e.q.size()));
     for (int i = 0; i < 4; ++i) y[static_cast<std::size_t>(i)] *= stretched;
     Integrator integrator([&loop](double t, const double* x, double* xd) { loop.right_side(t, x, xd); }, 0, y,
-                     tolerances(y.size(), rtol));
+                          tolerances(y.size(), rtol));
     while (integrator.t() < duration) integrator.step(duration);
     const auto state = integrator.state();
     return std::sqrt(state[0] * state[0] + state[1] * state[1] + state[2] * state[2] + state[3] * state[3]);

@@ -28,7 +28,8 @@ Built build(const std::string& name, const std::vector<std::string>& overrides =
   Arms arms = make_arms(experiment);
   ClosedLoop loop = make_loop(experiment, arms);
   std::vector<double> y = initial_state(experiment, loop);
-  for (int i = 0; i < loop.velocities(); ++i) y[static_cast<std::size_t>(loop.positions() + i)] = 0.2 * (i % 3) - 0.1;
+  for (int i = 0; i < loop.velocities(); ++i)
+    y[static_cast<std::size_t>(loop.positions() + i)] = 0.2 * (i % 3) - 0.1;
   loop.switch_modes(0, y);
   return {std::move(experiment), std::move(arms), std::move(loop), std::move(y)};
 }
@@ -68,11 +69,12 @@ TEST_CASE("impedance: inertia e.. + D e. + K e is minus the wrench on the tip") 
 TEST_CASE("a controlled force accelerates the tip as a mass does") {
   Built built = build("puma560_force");
   for (const double height : {0.0, 0.03}) {  // free, then inside the table
-    Built at = build("puma560_force", {"plant.environment.point=[0, 0, " + std::to_string(0.73 + height) + "]"});
+    Built at =
+        build("puma560_force", {"plant.environment.point=[0, 0, " + std::to_string(0.73 + height) + "]"});
     const Observation& seen = at.loop.observe(0, at.y);
     const ForceControl& force = *at.experiment.controller.force;
-    const double expected = (force.desired[0] + seen.tip_force[5]) / force.inertia -
-                            force.damping * seen.command.tip_velocity[5];
+    const double expected =
+        (force.desired[0] + seen.tip_force[5]) / force.inertia - force.damping * seen.command.tip_velocity[5];
     CHECK(at.loop.modes().contact == (height > 0));
     CHECK((seen.tip_force[5] > 0) == (height > 0));
     CHECK(std::abs(seen.tip_acceleration[5] - expected) < 1e4 * 64 * eps * 100);
@@ -80,8 +82,8 @@ TEST_CASE("a controlled force accelerates the tip as a mass does") {
 }
 
 TEST_CASE("sensors round positions and filter their differences") {
-  Built built = build("puma560_sampled",
-                      {"controller.sensors={resolution: 0.001, velocity_cutoff: 40}", "controller.sampling.period=0.002"});
+  Built built = build("puma560_sampled", {"controller.sensors={resolution: 0.001, velocity_cutoff: 40}",
+                                          "controller.sampling.period=0.002"});
   Controller& controller = built.loop.controller();
   built.loop.sample(0, built.y);
   std::vector<double> first(controller.known_q().begin(), controller.known_q().end());
@@ -95,12 +97,14 @@ TEST_CASE("sensors round positions and filter their differences") {
   const double keep = std::exp(-2 * std::numbers::pi * 40 * 0.002);
   for (std::size_t i = 0; i < 6; ++i) {
     const double difference = (controller.known_q()[i] - first[i]) / 0.002;
-    CHECK(controller.known_qd()[i] == Approx(keep * built.y[6 + i] + (1 - keep) * difference).epsilon(16 * eps));
+    CHECK(controller.known_qd()[i] ==
+          Approx(keep * built.y[6 + i] + (1 - keep) * difference).epsilon(16 * eps));
   }
 }
 
 TEST_CASE("torque limits cut what the joints get, and say so") {
-  Built free = build("puma560_circle"), limited = build("puma560_circle", {"controller.effort_limit=[500, 20, 500, 500, 500, 500]"});
+  Built free = build("puma560_circle"),
+        limited = build("puma560_circle", {"controller.effort_limit=[500, 20, 500, 500, 500, 500]"});
   const Observation a = free.loop.observe(0.3, free.y), b = limited.loop.observe(0.3, limited.y);
   REQUIRE(std::abs(a.torque[1]) > 20);
   CHECK(std::abs(b.torque[1]) == 20);
@@ -122,7 +126,8 @@ TEST_CASE("the torque of a sampled law acts when it is applied, not before") {
 }
 
 TEST_CASE("stops: samples and the times at which their torques act, in order, then the duration") {
-  const Built built = build("puma560_sampled", {"controller.sampling={period: 0.01, computation_time: 0.004}", "duration=0.03"});
+  const Built built = build("puma560_sampled",
+                            {"controller.sampling={period: 0.01, computation_time: 0.004}", "duration=0.03"});
   Stops stops(built.experiment, built.loop.controller());
   std::vector<double> times;
   std::vector<Stop::Kind> kinds;

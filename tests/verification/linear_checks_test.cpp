@@ -134,7 +134,7 @@ TEST_CASE("cross coupling keeps the worst of each pair of axes while one alone i
 }
 
 TEST_CASE("departures: peaks and their times, root mean square, on the task rows alone") {
-  Departure departure({0, 3, 4});
+  Departure departure({0, 3, 4}, {0, 3, 4});
   const std::vector<double> T{1, -5}, later{-2, 4};
   DepartureInput at;
   at.error << 0.5, 9, 9, 3, 4, 9;
@@ -172,7 +172,7 @@ TEST_CASE("departures: peaks and their times, root mean square, on the task rows
 }
 
 TEST_CASE("the root mean square of a sine over whole periods") {
-  Departure departure(all_rows());
+  Departure departure(all_rows(), all_rows());
   DepartureInput at;
   const int steps = 1000;
   for (int i = 0; i <= steps; ++i) {
@@ -185,7 +185,7 @@ TEST_CASE("the root mean square of a sine over whole periods") {
 }
 
 TEST_CASE("time beyond the limits of the joints") {
-  Departure departure({3}, {{-1, -infinite}, {1, infinite}, {2, infinite}, {3, 3}});
+  Departure departure({3}, {3}, {{-1, -infinite}, {1, infinite}, {2, infinite}, {3, 3}});
   DepartureInput at;
   const auto step = [&](double t, std::vector<double> q, std::vector<double> qd, std::vector<double> T) {
     at.q = q, at.qd = qd, at.torque = T;
