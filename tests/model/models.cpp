@@ -174,7 +174,7 @@ TEST_CASE("every file of models/ loads; names, masses and zero poses are as its 
   };
   const std::vector<Row> rows = {
       {"arm7.urdf", "tool0", 7, 0, 18.3, {0, 0, 1.25}},
-      {"chain60.urdf", "tip", 60, 0, 10.0, {0, 0, 6}},
+      {"chain60.urdf", "tip", 60, 0, 10.035, {0, 0, 6}},
       {"planar_2r.urdf", "tip", 2, 0, 3.5, {1.8, 0, 0}},
       {"prismatic_arm.urdf", "tool0", 6, 1, 19.1, {0, 0.25, 1.18}},
       {"puma560.urdf", "tool0", 6, 0, 23.45, {0.4521, -0.15005, 1.10363}},
