@@ -414,4 +414,27 @@ N potential_energy(const Chain<S>& chain, const Positions<N>& positions) {
   return U;
 }
 
+// In double precision compiled once, in dense.cpp.
+#define OSCULATE_DENSE(how)                                                                                \
+  how template Ldlt<double> factor(const MatrixX<double>&);                                                \
+  how template MatrixX<double> solve(const Ldlt<double>&, MatrixX<double>);                                \
+  how template VectorX<double> solve(const Ldlt<double>&, VectorX<double>);                                \
+  how template Places<Dual<double>> moving_places(const Chain<double>&, const Positions<double>&,          \
+                                                  const VectorX<double>&, const BaseMotion<double>&);      \
+  how template PointMotion<double> point_motion(const Places<Dual<double>>&, const VectorX<double>&,       \
+                                                const Vector3<Dual<double>>&, int);                        \
+  how template Kinematics<double> kinematics(const Chain<double>&, const Positions<double>&,               \
+                                             const VectorX<double>&, const BaseMotion<double>&);           \
+  how template JointSpace<double> joint_space(const Chain<double>&, const Positions<double>&,              \
+                                              const VectorX<double>&, const BaseMotion<double>&);          \
+  how template State<double> state(const Chain<double>&, const Positions<double>&, const VectorX<double>&, \
+                                   const BaseMotion<double>&);                                             \
+  how template Mobility<double> mobility(const Kinematics<double>&, const JointSpace<double>&,             \
+                                         const std::vector<int>&);                                         \
+  how template TaskTerms<double> task_terms(const Mobility<double>&);                                      \
+  how template VectorX<double> forward_dynamics(const JointSpace<double>&, const Jacobian<double>&,        \
+                                                const VectorX<double>&, const Vector6<double>&);           \
+  how template double potential_energy(const Chain<double>&, const Positions<double>&)
+OSCULATE_DENSE(extern);
+
 }  // namespace osculate::dense

@@ -72,6 +72,11 @@ void ClosedLoop::sample(double t, std::span<const double> y) {
   move(t, y.data());
   control(t, y.data());
   computed_ = seen_.torque;
+  const SingularityOptions& singularity = controller_.options().singularity;
+  const double measure = controller_.last_measure();
+  if (singularity.policy == SingularPolicy::none && measure >= 0 && measure < singularity.threshold)
+    throw IntegrationStopped(Reason::singular, controller_.singular_message(
+                                                   t, controller_.compliance(t, q(y.data()), qd(y.data()))));
 }
 
 void ClosedLoop::right_side(double t, const double* y, double* yd) {

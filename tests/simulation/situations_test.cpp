@@ -176,6 +176,9 @@ TEST_CASE("without a policy a singular arm is refused with the row that it loses
   }
   CHECK(message.find("task row w") != std::string::npos);
   CHECK(message.find("policy") != std::string::npos);
+  Built sampled = build("puma560_sampled");
+  sampled.y[4] = 1e-4;  // not yet singular to rounding, but below the threshold
+  CHECK_THROWS_AS(sampled.loop.sample(0, sampled.y), IntegrationStopped);
   Built damped = build("puma560_circle", {"controller.singularity={policy: damped, threshold: 0.01}"});
   damped.y[4] = 0;
   CHECK(damped.loop.observe(0, damped.y).command.filtered);

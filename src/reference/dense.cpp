@@ -1,0 +1,7 @@
+#include "reference/dense.hpp"
+
+namespace osculate::dense {
+
+OSCULATE_DENSE();
+
+}  // namespace osculate::dense
