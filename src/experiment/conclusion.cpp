@@ -99,8 +99,7 @@ void add_limits(std::string& out, const char* what, const std::vector<TimeSpent>
           beyond[i].total, *beyond[i].first);
 }
 
-void add_measured(std::string& out, const Measured& m) {
-  const DepartureResult& d = m.departure;
+void add_tracking(std::string& out, const DepartureResult& d) {
   add(out, "tracking error: tip up to %.3e m, %.3e rad; root mean square %.3e m, %.3e rad\n",
       d.position.value, d.orientation.value, d.position_rms, d.orientation_rms);
   add(out, "tip acceleration missed u by up to %.2e m/s^2, %.2e rad/s^2\n", d.linear_acceleration.value,
@@ -111,6 +110,10 @@ void add_measured(std::string& out, const Measured& m) {
   if (!d.torque.empty())
     add(out, "largest joint torque %.4g at joint coordinate %zu, t = %.4g s\n", d.torque[most].value,
         most + 1, d.torque[most].time);
+}
+
+void add_measured(std::string& out, const Measured& m) {
+  const DepartureResult& d = m.departure;
   if (d.singularity_policy.first)
     add(out, "the singularity policy acted for %.4g s, from %.4g s to %.4g s\n", d.singularity_policy.total,
         *d.singularity_policy.first, *d.singularity_policy.last);
@@ -147,6 +150,7 @@ std::string report(const Experiment& experiment, const RunResult& r) {
   if (r.analytic)
     add(out, "distance from the closed-form solution: tip %.2e m, %.2e rad\n", r.worst_position,
         r.worst_orientation);
+  if (experiment.controller.law != Law::free) add_tracking(out, r.measured.departure);
   add_measured(out, r.measured);
   if (r.samples > 0) add(out, "%ld samples of the law, %ld sweeps each\n", r.samples, r.sweeps_per_sample);
   add(out, "%ld steps, %ld right-hand sides, %.4g s simulated, %.0f times real time\n", r.steps,

@@ -41,8 +41,7 @@ DepartureInput departure_of(const Observation& seen) {
 }  // namespace
 
 Measurements::Measurements(const Experiment& experiment, const Arms& arms, const ClosedLoop& loop)
-    : experiment_(experiment),
-      law_(loop.controller().options()),
+    : law_(loop.controller().options()),
       initial_(loop.controller().initial()),
       departure_(law_.rows, tracked(law_), joint_limits(arms.description)),
       path_(loop.controller().shared_path()) {

@@ -47,7 +47,6 @@ class Measurements {
   Measured finish();
 
  private:
-  const Experiment& experiment_;
   LawOptions law_;
   Pose initial_;
   Departure departure_;
