@@ -1,4 +1,5 @@
 // What the law asks of the tip: u, from the reference, the gains, the measured force and the obstacles.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -7,8 +8,8 @@
 namespace osculate {
 
 void Controller::sense(std::span<const double> q, std::span<const double> qd) {
-  known_q_.assign(q.begin(), q.end());
-  known_qd_.assign(qd.begin(), qd.end());
+  std::copy(q.begin(), q.end(), known_q_.begin());
+  std::copy(qd.begin(), qd.end(), known_qd_.begin());
   if (!options_.sensors || !options_.sampling) return;
   const Sensors& sensors = *options_.sensors;
   if (sensors.resolution > 0)
@@ -27,16 +28,11 @@ void Controller::sense(std::span<const double> q, std::span<const double> qd) {
   }
 }
 
-TipReference Controller::followed() const {
-  TipReference out = command_.reference;
-  if (!options_.feedforward) out.velocity.setZero(), out.acceleration.setZero();
-  return out;
-}
-
 Vector6 Controller::wanted_error_acceleration() const {
   const auto& [e, ed] = command_.error;
-  Vector6 edd = seeded(Fault::law_damping, Vector6(-options_.damping.cwiseProduct(ed))) -
-                options_.stiffness.cwiseProduct(e);
+  Vector6 edd;
+  for (int i = 0; i < 6; ++i)
+    edd[i] = seeded(Fault::law_damping, -options_.damping[i] * ed[i]) - options_.stiffness[i] * e[i];
   // impedance: inertia e.. + D e. + K e = -(wrench on the tip)
   if (options_.virtual_inertia) edd -= known_tip_force_.cwiseQuotient(*options_.virtual_inertia);
   return edd;
@@ -47,13 +43,12 @@ void Controller::decide() {
     command_.u = *options_.constant_command;
     return;
   }
-  TipReference reference = followed();
-  const Vector6 acceleration = reference.acceleration;
-  reference.acceleration = seeded(Fault::reference_acceleration, acceleration);
-  command_.u = pose_command(reference, command_.tip, command_.tip_velocity, command_.error,
-                            wanted_error_acceleration());
-  reference.acceleration = acceleration;
-  if (chart_) decide_in_coordinates(reference);
+  const Vector6 edd = wanted_error_acceleration();
+  const Vector6& acceleration = command_.reference.acceleration;
+  command_.u = options_.feedforward
+                   ? tracking_.command(seeded(Fault::reference_acceleration, acceleration), edd)
+                   : tracking_.command(Vector6::Zero(), edd);
+  if (chart_) decide_in_coordinates();
   if (options_.force) {
     const ForceControl& force = *options_.force;
     for (std::size_t i = 0; i < force.rows.size(); ++i) {
@@ -67,7 +62,9 @@ void Controller::decide() {
   if (!options_.obstacles.empty()) command_.u.tail<3>() += repulsion(options_.obstacles, command_.tip.p);
 }
 
-void Controller::decide_in_coordinates(const TipReference& reference) {
+void Controller::decide_in_coordinates() {
+  TipReference reference = command_.reference;
+  if (!options_.feedforward) reference.velocity.setZero(), reference.acceleration.setZero();
   const Coordinates y = chart_->coordinates(command_.tip);
   const Coordinates yd = chart_->rates(y, command_.tip_velocity);
   Coordinates K(chart_->size()), D(chart_->size());

@@ -6,6 +6,8 @@
 #include <limits>
 #include <string>
 
+#include "control/task_inverse.hpp"
+
 namespace osculate {
 
 namespace {
@@ -15,22 +17,19 @@ namespace {
 constexpr double pivot_floor = 1e-13;
 
 template <class Space>
-Vector6 to_vector6(const Vec<Space, double>& v) {
-  Vector6 out;
-  out << v.ang.x, v.ang.y, v.ang.z, v.lin.x, v.lin.y, v.lin.z;
-  return out;
-}
-
-Matrix3<double> to_matrix(const Mat3<double>& m) {
-  Matrix3<double> out;
-  out << m.x.x, m.x.y, m.x.z, m.y.x, m.y.y, m.y.z, m.z.x, m.z.y, m.z.z;
-  return out;
+void set(Vector6& out, const Vec<Space, double>& v) {
+  out[0] = v.ang.x, out[1] = v.ang.y, out[2] = v.ang.z;
+  out[3] = v.lin.x, out[4] = v.lin.y, out[5] = v.lin.z;
 }
 
 template <class Sweeps>
-Pose tip_of(const Sweeps& sweeps) {
+void set_tip(Pose& out, const Sweeps& sweeps) {
+  const auto& R = sweeps.tip_rotation();
+  out.R(0, 0) = R.x.x, out.R(0, 1) = R.x.y, out.R(0, 2) = R.x.z;
+  out.R(1, 0) = R.y.x, out.R(1, 1) = R.y.y, out.R(1, 2) = R.y.z;
+  out.R(2, 0) = R.z.x, out.R(2, 1) = R.z.y, out.R(2, 2) = R.z.z;
   const auto& p = sweeps.tip_position();
-  return {to_matrix(sweeps.tip_rotation()), {p.x, p.y, p.z}};
+  out.p[0] = p.x, out.p[1] = p.y, out.p[2] = p.z;
 }
 
 constexpr const char* row_names[] = {"wx", "wy", "wz", "vx", "vy", "vz"};
@@ -39,16 +38,6 @@ std::string singular_text(double t, const std::string& which) {
   return "the arm is singular at t = " + std::to_string(t) + " s: " + which;
 }
 [[noreturn]] void singular(double t, const std::string& which) { throw SingularArm(singular_text(t, which)); }
-
-/// First task row that depends on the rows before it, or -1.
-int lost_row(const TaskFactor<double>& factor, const Compliance<double>& Omega, const TaskRows& rows) {
-  for (int i = 0; i < factor.size(); ++i) {
-    const int row = rows[static_cast<std::size_t>(i)];
-    const double pivot = factor.pivots()[static_cast<std::size_t>(i)];
-    if (!(pivot > pivot_floor * component(Omega, row, row))) return row;
-  }
-  return -1;
-}
 
 /// One of the two alternatives: joints with one axis, or of any kind.
 template <class Variant>
@@ -82,9 +71,12 @@ Controller::Controller(const Chain<double>& model, std::vector<JointFriction> fr
       initial_(initial),
       chart_(chart_of(options.orientation, options.position)),
       space_(for_chain<Space>(model)),
+      has_null_space_(!options.null_space.empty()),
       joints_(model.links.size()),
       T0_(static_cast<std::size_t>(model.velocities()), 0.0),
-      rigid_torque_(static_cast<std::size_t>(model.velocities()), 0.0) {
+      rigid_torque_(static_cast<std::size_t>(model.velocities()), 0.0),
+      known_q_(static_cast<std::size_t>(model.positions())),
+      known_qd_(static_cast<std::size_t>(model.velocities())) {
   if (options_.law == Law::resolved_acceleration)
     resolved_ = for_chain<Resolved>(model);
   else if (options_.law == Law::operational_space && options_.sampling)
@@ -95,15 +87,21 @@ void Controller::begin(double t, std::span<const double> q, std::span<const doub
   set_positions(model_, q, joints_);
   if (options_.base_path) base_ = base_motion(options_.base_path.get(), t);
   if (options_.law == Law::resolved_acceleration) return;  // a square task has no null space
-  osculate::null_space_torque(options_.null_space, model_, options_.rows, q, qd, T0_);
+  if (has_null_space_) osculate::null_space_torque(options_.null_space, model_, options_.rows, q, qd, T0_);
 }
 
 template <class Sweeps>
 void Controller::see_tip(const Sweeps& sweeps, double t) {
-  command_.tip = tip_of(sweeps);
-  command_.tip_velocity = to_vector6(sweeps.tip_velocity());
-  command_.reference = tip_reference(*path_, initial_, t);
-  command_.error = pose_error(followed(), command_.tip, command_.tip_velocity);
+  set_tip(command_.tip, sweeps);
+  set(command_.tip_velocity, sweeps.tip_velocity());
+  tip_reference(*path_, initial_, t, command_.reference);
+  if (options_.feedforward) {
+    tracking_.look(command_.reference, command_.tip, command_.tip_velocity);
+  } else {
+    const TipReference at_rest{.pose = command_.reference.pose};
+    tracking_.look(at_rest, command_.tip, command_.tip_velocity);
+  }
+  command_.error = tracking_.error();
 }
 
 std::string Controller::singular_message(double t, const Compliance<double>& Omega) const {
@@ -116,27 +114,36 @@ std::string Controller::singular_message(double t, const Compliance<double>& Ome
                               "; controller.singularity.policy can be damped, truncated or released");
 }
 
-template <class Sweeps>
-Vec<Force, double> Controller::tip_force(const Sweeps& sweeps, double t) {
-  const auto& Omega = sweeps.Omega();
+Vec<Force, double> Controller::tip_force(const Compliance<double>& Omega,
+                                         const Vec<Motion, double>& right_side, double t) {
   const SingularityOptions& singularity = options_.singularity;
-  TaskVector<double> right = restricted(sweeps.right_side(), options_.rows);
-  for (std::size_t i = 0; i < options_.rows.size(); ++i)
-    right[i] += seeded(Fault::law_command, command_.u[options_.rows[i]]);
-  TaskRows rows = options_.rows;
-  if (faulty(Fault::law_rows) && rows.size() > 1) std::swap(rows[rows.size() - 2], rows.back());
+  const TaskRows& rows = options_.rows;
+  Vector6 all;
+  set(all, right_side);
+  TaskVector<double> right{};
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    right[i] = all[rows[i]] + seeded(Fault::law_command, command_.u[rows[i]]);
+  // The wrench with these components on the task rows and none elsewhere.
+  const auto as_wrench = [this, &rows](const TaskVector<double>& F) -> Vec<Force, double> {
+    Vector6& f = command_.F;
+    f.setZero();
+    for (std::size_t i = 0; i < rows.size(); ++i) f[rows[i]] = F[i];
+    if (faulty(Fault::law_rows) && rows.size() > 1) std::swap(f[rows[rows.size() - 2]], f[rows.back()]);
+    return {{f[0], f[1], f[2]}, {f[3], f[4], f[5]}};
+  };
 
-  measure_ = smooth_measure(Omega, options_.rows);  // at most the smallest eigenvalue
+  const TaskInverse inverse(Omega, rows);
+  measure_ = inverse.measure();  // at most the smallest eigenvalue
   command_.filtered = false;
   if (singularity.policy != SingularPolicy::none && measure_ < singularity.threshold) {
-    const SingularTask task(singularity, Omega, options_.rows, truncated_);
+    const SingularTask task(singularity, Omega, rows, truncated_);
     command_.filtered = task.active();
-    if (task.active()) return wrench(task.solve(right), rows);
+    if (task.active()) return as_wrench(task.solve(right));
   }
-  const TaskFactor<double> factor(Omega, options_.rows);
-  if (const int row = lost_row(factor, Omega, options_.rows); row >= 0)
-    singular(t, std::string("task row ") + row_names[row] + " depends on the rows before it");
-  return wrench(factor.solve(right), rows);  // (4): one solve on u + right side
+  if (const int lost = inverse.lost(pivot_floor); lost >= 0)
+    singular(t, std::string("task row ") + row_names[rows[static_cast<std::size_t>(lost)]] +
+                    " depends on the rows before it");
+  return as_wrench(inverse.solve(right));  // (4): one solve on u + right side
 }
 
 void Controller::operational_space(double t, std::span<const double> qd) {
@@ -148,9 +155,8 @@ void Controller::operational_space(double t, std::span<const double> qd) {
           space.sweep(qd, T0_, known_push_);  // sweeps 1, 2, 3
           see_tip(space, t);
           decide();
-          const Vec<Force, double> F_c = tip_force(space, t);
+          const Vec<Force, double> F_c = tip_force(space.Omega(), space.right_side(), t);
           space.torques(F_c, rigid_torque_);  // sweep 4
-          command_.F = to_vector6(F_c);
           sweeps_ = space.sweeps() - before;
         },
         space_);
@@ -165,9 +171,8 @@ void Controller::operational_space(double t, std::span<const double> qd) {
         space.begin_sample(sampling.delay, sampling.extrapolate, qd, T0_, known_push_);
         see_tip(space, t);
         decide();
-        const Vec<Force, double> F_c = tip_force(space, t);
+        const Vec<Force, double> F_c = tip_force(space.Omega(), space.right_side(), t);
         space.finish_sample(sampling.extrapolate, F_c, rigid_torque_);
-        command_.F = to_vector6(F_c);
         sweeps_ = space.sweeps() - before;
       },
       *sampled_);
@@ -292,7 +297,7 @@ RecursiveTerms Controller::terms_of(Sweeps& space, std::span<const double> qd) c
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 6; ++j) out.Omega(i, j) = component(space.Omega(), i, j);
   const TaskFactor<double> Omega(space.Omega(), options_.rows);
-  if (lost_row(Omega, space.Omega(), options_.rows) >= 0) return out;
+  if (TaskInverse(space.Omega(), options_.rows).lost(pivot_floor) >= 0) return out;
   out.Lambda.resize(m, m);
   for (Eigen::Index j = 0; j < m; ++j) {
     TaskVector<double> unit{};
@@ -324,7 +329,9 @@ Pose tip_pose(const Chain<double>& chain, std::span<const double> q, const BaseM
       [&](auto& sweeps) {
         sweeps.move_base(base);
         sweeps.place(positions(chain, q));
-        return tip_of(sweeps);
+        Pose tip;
+        set_tip(tip, sweeps);
+        return tip;
       },
       space);
 }

@@ -154,6 +154,11 @@ class Controller {
   std::span<const double> known_qd() const { return known_qd_; }
   /// The wrench on the tip that the last torque() took into account; zero if the law does not measure it.
   const Vector6& known_tip_force() const { return known_tip_force_; }
+  /// Positions of the joints at the last torque() or look(), base to tip, trigonometry done.
+  const std::vector<JointPosition<double>>& joints() const { return joints_; }
+  /// The exact recursions where the joints have one axis each, else null; swept at the state of the last
+  /// torque() of a law that uses them: operational_space without sampling, textbook, free.
+  const OperationalSpace<double>* exact_sweeps() const { return std::get_if<0>(&space_); }
   /// T0 of the last torque(), base to tip.
   std::span<const double> null_space_torque() const { return T0_; }
   /// Sweeps along the arm that the last torque() took, forward kinematics not counted.
@@ -180,19 +185,17 @@ class Controller {
   /// Tip, reference and error at t.
   template <class Sweeps>
   void see_tip(const Sweeps& sweeps, double t);
-  /// The reference as the law follows it.
-  TipReference followed() const;
   /// u, and v of a chart, from what see_tip found (command.cpp).
   void decide();
   /// Second derivative of the pose error that the gains ask for.
   Vector6 wanted_error_acceleration() const;
   /// u of a chart: Pi v + Pi. yd (1), on the part that it covers.
-  void decide_in_coordinates(const TipReference& reference);
+  void decide_in_coordinates();
   /// q and qd through the sensors of a sampled law.
   void sense(std::span<const double> q, std::span<const double> qd);
-  /// F = Omega^-1 (u + right side) on the task rows. Throws SingularArm.
-  template <class Sweeps>
-  Vec<Force, double> tip_force(const Sweeps& sweeps, double t);
+  /// F = Omega^-1 (u + right side) on the task rows, which becomes that of the command. Throws SingularArm.
+  Vec<Force, double> tip_force(const Compliance<double>& Omega, const Vec<Motion, double>& right_side,
+                               double t);
   template <class Sweeps>
   RecursiveTerms terms_of(Sweeps& space, std::span<const double> qd) const;
   void operational_space(double t, std::span<const double> qd);
@@ -212,6 +215,7 @@ class Controller {
   Space space_;                          // the exact recursions: the law itself, or its monitor
   std::optional<SampledSpace> sampled_;  // the same in link frames, with a memory
   std::optional<Resolved> resolved_;
+  bool has_null_space_;  // else T0 stays zero
   std::vector<JointPosition<double>> joints_;
   BaseMotion<double> base_;
   std::vector<double> T0_, rigid_torque_;
@@ -219,6 +223,7 @@ class Controller {
   std::vector<double> measured_q_, filtered_qd_;  // by the sensors at the sample before
   double measure_ = -1;
   int truncated_ = 0;
+  PoseTracking tracking_;  // of the reference as the law follows it
   Command command_;
   long sweeps_ = 0, samples_ = 0;
   bool monitored_ = true;

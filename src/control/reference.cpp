@@ -37,6 +37,8 @@ void require_finite(const std::string& name, const Vector6& value) {
   for (int i = 0; i < 6; ++i) require_finite(entry(name, i), value[i], i < 3 ? "rad" : "m");
 }
 
+bool zero(const Vector3<double>& v) { return v[0] == 0 && v[1] == 0 && v[2] == 0; }
+
 std::array<bool, 6> nonzero(const Vector6& value) {
   std::array<bool, 6> out{};
   for (int i = 0; i < 6; ++i) out[i] = value[i] != 0;
@@ -123,7 +125,8 @@ class Circle final : public Path {
     rate = 2 * std::numbers::pi / options.period;
   }
   PathPoint at(double t) const override {
-    const double c = std::cos(rate * t), s = std::sin(rate * t), half = std::sin(rate * t / 2);
+    const double angle = rate * t / 2, half = std::sin(angle), c_half = std::cos(angle);
+    const double s = 2 * half * c_half, c = 1 - 2 * half * half;
     PathPoint out;
     out.y[first] = -2 * radius * half * half;  // radius (cos - 1) without cancellation
     out.y[second] = radius * s;
@@ -280,15 +283,25 @@ std::unique_ptr<Path> make_path(const MultisineOptions& options) {
 }
 
 TipReference tip_reference(const Path& path, const Pose& initial, double t) {
+  TipReference out;
+  tip_reference(path, initial, t, out);
+  return out;
+}
+
+void tip_reference(const Path& path, const Pose& initial, double t, TipReference& out) {
   const PathPoint point = path.at(t);
   const Vector3<double> r = point.y.head<3>(), rd = point.yd.head<3>(), rdd = point.ydd.head<3>();
-  const RotationVector turn(r);
-  TipReference out;
-  out.pose.R = turn.turned(initial.R);
   out.pose.p = initial.p + point.y.tail<3>();
-  out.velocity << turn.left_jacobian(rd), point.yd.tail<3>();
-  out.acceleration << turn.left_jacobian(rdd) + turn.left_jacobian_rate(rd, rd), point.ydd.tail<3>();
-  return out;
+  out.velocity = point.yd;
+  out.acceleration = point.ydd;
+  if (zero(r) && zero(rd) && zero(rdd)) {  // exp(0) = J_l(0) = 1
+    out.pose.R = initial.R;
+    return;
+  }
+  const RotationVector turn(r);
+  out.pose.R = turn.turned(initial.R);
+  out.velocity.head<3>() = turn.left_jacobian(rd);
+  out.acceleration.head<3>() = turn.left_jacobian(rdd) + turn.left_jacobian_rate(rd);
 }
 
 }  // namespace osculate

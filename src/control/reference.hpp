@@ -108,5 +108,6 @@ std::unique_ptr<Path> make_path(const WaypointsOptions&, const Pose& initial);
 
 /// The tip's reference motion at time t: the path applied to the initial pose.
 TipReference tip_reference(const Path& path, const Pose& initial, double t);
+void tip_reference(const Path& path, const Pose& initial, double t, TipReference& out);
 
 }  // namespace osculate

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 namespace osculate {
 
@@ -33,10 +32,27 @@ constexpr std::array<double, terms + 1> slope(const std::array<double, terms + 1
   return out;
 }
 
-constexpr auto series_b = alternating(2);
-constexpr auto series_c = alternating(3);
-constexpr auto series_b_slope = slope(series_b);
-constexpr auto series_c_slope = slope(series_c);
+/// The four series side by side: coefficients of s^k in b, c, b_slope, c_slope.
+using Four = Eigen::Array<double, 4, 1>;
+constexpr auto four_series = [] {
+  const auto b = alternating(2), c = alternating(3), b_slope = slope(b), c_slope = slope(c);
+  std::array<std::array<double, 4>, terms> out{};
+  for (int k = 0; k < terms; ++k) out[k] = {b[k], c[k], b_slope[k], c_slope[k]};
+  return out;
+}();
+
+/// asin(x) / x = sum a_k x^2k, a_k = (2k)! / (4^k k!^2 (2k + 1)); for x^2 <= small_sine_squared the terms
+/// left out are below 2e-20.
+constexpr double small_sine_squared = 1e-3;
+constexpr auto series_asin = [] {
+  std::array<double, 6> out{};
+  double a = 1;  // (2k)! / (4^k k!^2)
+  for (int k = 0; k < 6; ++k) {
+    out[k] = a / (2 * k + 1);
+    a *= (2 * k + 1) / (2.0 * (k + 1));
+  }
+  return out;
+}();
 
 /// The matrix of a linear map of vectors.
 template <class LinearMap>
@@ -51,15 +67,11 @@ Matrix3<double> matrix_of(const LinearMap& map) {
 RotationCoefficients rotation_coefficients(double s) {
   RotationCoefficients f;
   if (s <= switch_to_closed_form) {
-    f.b = f.c = f.b_slope = f.c_slope = 0;
-    for (int k = terms - 1; k >= 0; --k) {
-      f.b = series_b[k] + s * f.b;
-      f.c = series_c[k] + s * f.c;
-      f.b_slope = series_b_slope[k] + s * f.b_slope;
-      f.c_slope = series_c_slope[k] + s * f.c_slope;
-    }
-    f.a = 1 - s * f.c;
-    return f;
+    const auto coefficients = [](int k) { return Eigen::Map<const Four>(four_series[k].data()); };
+    Four sum = coefficients(terms - 1);
+#pragma GCC unroll 12
+    for (int k = terms - 2; k >= 0; --k) sum = coefficients(k) + s * sum;
+    return {1 - s * sum[1], sum[0], sum[1], sum[2], sum[3]};
   }
   const double theta = std::sqrt(s);
   const double half = std::sin(theta / 2);
@@ -84,38 +96,6 @@ Matrix3<double> cross_matrix(const Vector3<double>& a) {
   return out;
 }
 
-RotationVector::RotationVector(const Vector3<double>& r)
-    : r_(r), f_(rotation_coefficients(r.squaredNorm())) {}
-
-Vector3<double> RotationVector::turned(const Vector3<double>& x) const {
-  const Vector3<double> rx = r_.cross(x);
-  return x + f_.a * rx + f_.b * r_.cross(rx);
-}
-
-Matrix3<double> RotationVector::turned(const Matrix3<double>& R) const {
-  Matrix3<double> out;
-  for (int j = 0; j < 3; ++j) out.col(j) = turned(Vector3<double>(R.col(j)));
-  return out;
-}
-
-Vector3<double> RotationVector::left_jacobian(const Vector3<double>& x) const {
-  const Vector3<double> rx = r_.cross(x);
-  return x + f_.b * rx + f_.c * r_.cross(rx);
-}
-
-Vector3<double> RotationVector::left_jacobian_inverse(const Vector3<double>& x) const {
-  const Vector3<double> rx = r_.cross(x);
-  return x - 0.5 * rx - (f_.b_slope / f_.b) * r_.cross(rx);  // see inverse_jacobian_coefficient
-}
-
-Vector3<double> RotationVector::left_jacobian_rate(const Vector3<double>& rd,
-                                                   const Vector3<double>& x) const {
-  const double sd = 2 * r_.dot(rd);
-  const Vector3<double> rx = r_.cross(x), rdx = rd.cross(x);
-  return f_.b_slope * sd * rx + f_.b * rdx + f_.c_slope * sd * r_.cross(rx) +
-         f_.c * (rd.cross(rx) + r_.cross(rdx));
-}
-
 Matrix3<double> exp_rotation(const Vector3<double>& r) {
   return RotationVector(r).turned(Matrix3<double>(Matrix3<double>::Identity()));
 }
@@ -124,9 +104,11 @@ Vector3<double> log_rotation(const Matrix3<double>& R) {
   const Eigen::Vector4d q = quaternion(R);  // w >= 0
   const Vector3<double> v = q.tail<3>();    // sin(theta/2) times the axis
   const double sine_squared = v.squaredNorm();
-  // theta / sin(theta/2) = 2 (1 + sin^2/6 + ...): 2 to rounding below eps, where the square may also
-  // underflow.
-  if (sine_squared < std::numeric_limits<double>::epsilon()) return 2 * v;
+  if (sine_squared <= small_sine_squared) {  // 2 asin(sine) / sine, no root of what may underflow
+    double sum = 0;
+    for (std::size_t k = series_asin.size(); k-- > 0;) sum = series_asin[k] + sine_squared * sum;
+    return 2 * sum * v;
+  }
   const double sine = std::sqrt(sine_squared);
   return 2 * std::atan2(sine, q[0]) / sine * v;
 }

@@ -2,43 +2,18 @@
 
 #include <cmath>
 
+#include "control/task_inverse.hpp"
+
 namespace osculate {
 
 namespace {
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-/// w^2 of each task row: the mean diagonal entry of Omega among the task rows of its block, 1 where the block
-/// does not move at all.
-TaskVector<double> squared_scale(const Compliance<double>& Omega, const TaskRows& rows) {
-  double sum[2] = {0, 0};  // angular, linear
-  int count[2] = {0, 0};
-  for (const int row : rows) {
-    sum[row / 3] += component(Omega, row, row);
-    ++count[row / 3];
-  }
-  TaskVector<double> out{};
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const int block = rows[i] / 3;
-    out[i] = sum[block] == 0 ? 1.0 : sum[block] / count[block];
-  }
-  return out;
-}
-
 }  // namespace
 
 double smooth_measure(const Compliance<double>& Omega, const TaskRows& rows) {
-  const TaskFactor<double> factor(Omega, rows);
-  for (int i = 0; i < factor.size(); ++i)
-    if (!(factor.pivots()[index(i)] > 0)) return 0;
-  const TaskVector<double> w2 = squared_scale(Omega, rows);
-  double trace = 0;  // of S^-1 = W Omega^-1 W
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    TaskVector<double> unit{};
-    unit[i] = 1;
-    trace += w2[i] * factor.solve(unit)[i];
-  }
-  return 1 / trace;
+  return TaskInverse(Omega, rows).measure();
 }
 
 double filtered_inverse(const SingularityOptions& options, double sigma) {
@@ -55,8 +30,8 @@ double filtered_inverse(const SingularityOptions& options, double sigma) {
 SingularTask::SingularTask(const SingularityOptions& options, const Compliance<double>& Omega,
                            const TaskRows& rows, int truncated)
     : options_(options), m_(static_cast<int>(rows.size())), truncated_(truncated) {
-  const TaskVector<double> w2 = squared_scale(Omega, rows);
-  for (std::size_t i = 0; i < rows.size(); ++i) w_[i] = std::sqrt(w2[i]);
+  const TaskInverse inverse(Omega, rows);
+  for (std::size_t i = 0; i < rows.size(); ++i) w_[i] = std::sqrt(inverse.squared_scale()[i]);
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (std::size_t j = 0; j < rows.size(); ++j)
       S_[i][j] = component(Omega, rows[i], rows[j]) / (w_[i] * w_[j]);
@@ -69,7 +44,7 @@ SingularTask::SingularTask(const SingularityOptions& options, const Compliance<d
     case SingularPolicy::damped:
     case SingularPolicy::released:
       // The measure never exceeds the smallest eigenvalue, and costs less.
-      if (smooth_measure(Omega, rows) >= options.threshold) return;
+      if (inverse.measure() >= options.threshold) return;
       for (int k = 0; k < m_; ++k) active_ |= !(eigenvalues()[index(k)] >= options.threshold);  // NaN too
   }
 }

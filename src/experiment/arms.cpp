@@ -91,6 +91,7 @@ Arms make_arms(const Experiment& experiment) {
   arms.plant.tip_force = config.tip_force;
   arms.plant.environment = config.environment;
   arms.plant.dense = config.dynamics == PlantDynamics::dense;
+  arms.plant.share_kinematics = config.share_kinematics;
 
   for (const auto* chain : {&arms.model, &arms.plant.chain})
     require_articulated(*chain, arms.description, experiment.q);

@@ -55,6 +55,7 @@ struct PlantConfig {
   Vector6 tip_force = Vector6::Zero();  // N m, N: constant wrench on the tip, base axes, about the tip point
   std::optional<Environment> environment;  // a surface that the tip may touch
   PlantDynamics dynamics = PlantDynamics::recursive;
+  bool share_kinematics = true;  // where the plant is the model: simulation/closed_loop.hpp
 };
 
 using ReferenceConfig = std::variant<HoldOptions, StepOptions, LineOptions, CircleOptions, LissajousOptions,

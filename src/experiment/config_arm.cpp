@@ -146,7 +146,7 @@ ModelConfig read_model(const Setting& setting, const std::filesystem::path& dire
 
 PlantConfig read_plant(const Setting& setting) {
   const Map map(setting, {"payload", "armature", "friction", "mass_scale", "inertia_scale", "tip_force",
-                          "environment", "dynamics"});
+                          "environment", "dynamics", "share_kinematics"});
   const Map payload(map.at("payload"), {"mass", "com", "inertia"});
   PlantConfig out;
   read(payload.at("mass"), out.payload.mass, at_least_zero());
@@ -165,6 +165,7 @@ PlantConfig read_plant(const Setting& setting) {
   if (map.at("environment").given()) out.environment = read_environment(map.at("environment"));
   read(map.at("dynamics"), out.dynamics,
        {{"recursive", PlantDynamics::recursive}, {"dense", PlantDynamics::dense}});
+  read(map.at("share_kinematics"), out.share_kinematics);
   return out;
 }
 

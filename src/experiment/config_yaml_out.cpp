@@ -198,7 +198,8 @@ std::string to_yaml(const Experiment& x) {
       << "  inertia_scale: " << number(p.inertia_scale) << "\n"
       << "  tip_force: " << numbers<6>(p.tip_force) << "\n";
   if (p.environment) out << "  environment: " << environment(*p.environment) << "\n";
-  out << "  dynamics: " << (p.dynamics == PlantDynamics::recursive ? "recursive" : "dense") << "\n";
+  out << "  dynamics: " << (p.dynamics == PlantDynamics::recursive ? "recursive" : "dense") << "\n"
+      << "  share_kinematics: " << truth(p.share_kinematics) << "\n";
 
   out << "initial:\n"
       << "  q: " << numbers(x.q) << "\n"

@@ -21,6 +21,23 @@ Vec<Force, double> to_force(const Vector6& v) { return {{v[0], v[1], v[2]}, {v[3
 // enough.
 constexpr double far_from_singular = 1e3;
 
+// Whether a plant can take over placement and sweep 1 from the controller's sweeps; else it takes over
+// cosines and sines alone.
+template <class PlantDynamics, class Space>
+constexpr bool can_follow = false;  // requires(PlantDynamics& plant, const Space& s) { plant.follow(s); }
+
+/// Places and moves the plant where the controller's sweeps have been.
+template <class PlantDynamics, class Space>
+void follow_sweeps(PlantDynamics& dynamics, const Space& space,
+                   const std::vector<JointPosition<double>>& joints, std::span<const double> qd) {
+  if constexpr (can_follow<PlantDynamics, Space>) {
+    dynamics.follow(space);
+  } else {
+    dynamics.place(joints);
+    dynamics.move(qd);
+  }
+}
+
 }  // namespace
 
 ClosedLoop::ClosedLoop(Controller controller, Plant plant)
@@ -31,6 +48,8 @@ ClosedLoop::ClosedLoop(Controller controller, Plant plant)
                                                        : Dynamics(std::in_place_index<1>, plant_.chain)),
       positions_(plant_.chain.positions()),
       velocities_(plant_.chain.velocities()),
+      one_axis_joints_(plant_.chain.one_axis_joints()),
+      shares_kinematics_(plant_.share_kinematics && same_arm_and_state()),
       joints_(plant_.chain.links.size()),
       net_torque_(static_cast<std::size_t>(velocities_)),
       computed_(net_torque_.size()),
@@ -40,6 +59,16 @@ ClosedLoop::ClosedLoop(Controller controller, Plant plant)
   for (auto* v : {&seen_.qd, &seen_.qdd, &seen_.torque}) v->resize(net_torque_.size());
 }
 
+template <class PlantDynamics>
+void ClosedLoop::feel(const PlantDynamics& dynamics) {
+  seen_.tip_force = plant_.tip_force;
+  if (!plant_.environment) return;
+  const auto& p = dynamics.tip_position();
+  const auto v = dynamics.tip_velocity().lin;
+  seen_.touch = touch(*plant_.environment, {p.x, p.y, p.z}, {v.x, v.y, v.z}, modes_.contact);
+  seen_.tip_force += seen_.touch.wrench;
+}
+
 void ClosedLoop::move(double t, const double* y) {
   set_positions(plant_.chain, q(y), joints_);
   std::visit(
@@ -47,14 +76,23 @@ void ClosedLoop::move(double t, const double* y) {
         if (controller_.options().base_path) dynamics.move_base(base(t));
         dynamics.place(joints_);
         dynamics.move(qd(y));
-        seen_.tip_force = plant_.tip_force;
-        if (!plant_.environment) return;
-        const auto& p = dynamics.tip_position();
-        const auto v = dynamics.tip_velocity().lin;
-        seen_.touch = touch(*plant_.environment, {p.x, p.y, p.z}, {v.x, v.y, v.z}, modes_.contact);
-        seen_.tip_force += seen_.touch.wrench;
+        feel(dynamics);
       },
       plant_dynamics_);
+}
+
+bool ClosedLoop::same_arm_and_state() const {
+  const LawOptions& law = controller_.options();
+  const bool swept = law.law == Law::operational_space || law.law == Law::textbook;
+  const bool feels_first = plant_.environment && law.know_tip_force;
+  return swept && !sampled() && !law.base_path && !feels_first && !plant_.dense &&
+         plant_.chain.one_axis_joints() && plant_.chain == controller_.model();
+}
+
+void ClosedLoop::follow(const double* y) {
+  auto& dynamics = std::get<0>(plant_dynamics_);
+  follow_sweeps(dynamics, *controller_.exact_sweeps(), controller_.joints(), qd(y));
+  feel(dynamics);
 }
 
 void ClosedLoop::control(double t, const double* y) {
@@ -79,15 +117,27 @@ void ClosedLoop::sample(double t, std::span<const double> y) {
                                                    t, controller_.compliance(t, q(y.data()), qd(y.data()))));
 }
 
-void ClosedLoop::right_side(double t, const double* y, double* yd) {
+void ClosedLoop::right_side(double t, const double* y, double* yd) { evaluate(t, y, yd, false); }
+
+void ClosedLoop::evaluate(double t, const double* y, double* yd, bool look) {
   const auto np = static_cast<std::size_t>(positions_), nv = static_cast<std::size_t>(velocities_);
-  move(t, y);
-  if (!sampled()) control(t, y);
+  const bool acts = !sampled() && (look || controller_.options().law != Law::free);
+  if (shares_kinematics_) {
+    seen_.tip_force = plant_.tip_force;  // all that the law may know
+    control(t, y);
+    follow(y);
+  } else {
+    move(t, y);
+    if (acts) control(t, y);
+  }
   const std::span<const double> rates = qd(y), torque{sampled() ? held_ : seen_.torque};
 
+  // The plant's friction is computed here even where the law has just compensated the same: nothing that the
+  // claims compare comes from the other side.
   double power = 0, loss = 0;  // W
+  const bool rubs = !plant_.friction.empty();
   for (std::size_t i = 0; i < nv; ++i) {
-    const double friction = plant_.friction.empty() ? 0.0 : friction_torque(plant_.friction[i], rates[i]);
+    const double friction = rubs ? friction_torque(plant_.friction[i], rates[i]) : 0.0;
     net_torque_[i] = torque[i] - seeded(Fault::plant_friction, friction);
     power += torque[i] * rates[i];
     loss += friction * rates[i];
@@ -104,7 +154,10 @@ void ClosedLoop::right_side(double t, const double* y, double* yd) {
           loss += lost_power(*plant_.environment, seen_.touch, {v.x, v.y, v.z}, modes_.contact);
       },
       plant_dynamics_);
-  position_rates(plant_.chain, q(y), rates, {yd, np});
+  if (one_axis_joints_)
+    std::copy(rates.begin(), rates.end(), yd);
+  else
+    position_rates(plant_.chain, q(y), rates, {yd, np});
   yd[np + nv] = seeded(Fault::work, power);
   yd[np + nv + 1] = loss;
 }
@@ -199,7 +252,7 @@ const Observation& ClosedLoop::observe(double t, std::span<const double> y) {
   seen_.t = t;
   std::copy_n(y.begin(), np, seen_.q.begin());
   std::copy_n(y.begin() + positions_, nv, seen_.qd.begin());
-  right_side(t, y.data(), derivative_.data());
+  evaluate(t, y.data(), derivative_.data(), true);
   std::copy_n(derivative_.begin() + positions_, nv, seen_.qdd.begin());
   if (sampled()) seen_.torque = held_;
   seen_.command = sampled() ? controller_.look(t, seen_.q, seen_.qd) : controller_.last();

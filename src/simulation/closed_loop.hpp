@@ -27,6 +27,10 @@ struct Plant {
       Vector6::Zero();  // N m, N: constant wrench on the tip, inertial axes, about the tip point
   std::optional<Environment> environment = {};  // a surface that the tip may touch
   bool dense = false;                           // accelerations by the definitions instead of the recursion
+  /// Where plant and controller are the same arm at the same state, the plant takes over what the controller
+  /// has computed there and no claim is about: cosines and sines, placement, velocities and the biases that
+  /// depend on them. Never P, D, G, z and what follows from them, nor friction. False: shares nothing.
+  bool share_kinematics = true;
 };
 
 /// Everything worth recording at one instant. Inertial frame, about the tip point, angular part first; joints
@@ -91,6 +95,8 @@ class ClosedLoop {
   /// True if the controller believes the truth: the same arm, friction compensated exactly, the wrench on the
   /// tip known. Then (5) must hold for a law that is (4).
   bool plant_is_model() const;
+  /// The plant takes over the controller's kinematics (Plant::share_kinematics).
+  bool shares_kinematics() const { return shares_kinematics_; }
   /// Joint torque minus friction that the plant felt in the last evaluation, base to tip.
   std::span<const double> net_torque() const { return net_torque_; }
   /// Tip velocity of the plant in the last evaluation, by its own recursion.
@@ -102,6 +108,16 @@ class ClosedLoop {
 
   /// Places and moves the plant's links; what pushes the tip there.
   void move(double t, const double* y);
+  /// The same from the controller's kinematics, after control() at the same (t, y).
+  void follow(const double* y);
+  /// Sets seen_.touch and seen_.tip_force from a plant that has moved.
+  template <class PlantDynamics>
+  void feel(const PlantDynamics& dynamics);
+  /// The plant is the controller's model, exactly known at every instant, and nothing of its motion is needed
+  /// before the law acts.
+  bool same_arm_and_state() const;
+  /// y' with or without a look at what the law sees where it does nothing (a free swing).
+  void evaluate(double t, const double* y, double* yd, bool look);
   /// The law's torque at (t, y), with its refusals as IntegrationStopped.
   void control(double t, const double* y);
   bool watches_singularity() const;
@@ -110,6 +126,7 @@ class ClosedLoop {
   Plant plant_;
   Dynamics plant_dynamics_;
   int positions_, velocities_;
+  bool one_axis_joints_, shares_kinematics_;
   Modes modes_;
   std::vector<JointPosition<double>> joints_;
   std::vector<double> net_torque_, computed_, held_;  // computed_ and held_: of a sampled law

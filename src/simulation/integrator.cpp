@@ -16,6 +16,8 @@
 #include <optional>
 #include <type_traits>
 
+#include "simulation/small_vector.hpp"
+
 namespace osculate {
 
 static_assert(std::is_same_v<sunrealtype, double>, "osculate needs SUNDIALS in double precision");
@@ -24,10 +26,16 @@ namespace {
 
 using Reason = IntegrationStopped::Reason;
 
-// The nonlinear equation of each step is solved to this fraction of the local error tolerance (CVODE's
-// default is 0.1), so that the derivative of the interpolant and the right-hand side agree to the tolerance.
-constexpr double nonlinear_fraction = 1e-2;
+// The nonlinear equation of each step is solved to this fraction of the local error tolerance; CVODE's
+// default is 0.1. A corrector that stops early is less stable: Adams then takes shorter steps and needs more
+// evaluations for the same true error (docs/work-precision.md). Solved so far, the derivative of the
+// interpolant and the right-hand side agree to the tolerance too. Newton's iteration overshoots its goal.
+constexpr double adams_fraction = 3e-3;
+constexpr double bdf_fraction = 1e-1;
 constexpr int nonlinear_iterations = 12;
+// Anderson's acceleration of Adams' fixed point remembers one iterate: up to a sixth fewer evaluations; a
+// second one changes nothing.
+constexpr int remembered_iterates = 1;
 
 // No arm has motions this short: a step below it means that the solution cannot be followed.
 constexpr double smallest_step = 1e-11;  // s
@@ -155,7 +163,7 @@ struct Integrator::Impl {
     if (context) SUNContext_Free(&context);
   }
 
-  void create_cvode(Method method, sunindextype size);
+  void create_cvode(const IntegratorOptions& options, sunindextype size);
   void create_arkode();
 
   /// A call of f or the events at time `at`, in SUNDIALS' terms: 0, 1 (a smaller step may help) or -1.
@@ -261,22 +269,28 @@ struct Integrator::Impl {
   }
 };
 
-void Integrator::Impl::create_cvode(Method method, sunindextype size) {
-  memory = CVodeCreate(method == Method::adams ? CV_ADAMS : CV_BDF, context);
+void Integrator::Impl::create_cvode(const IntegratorOptions& options, sunindextype size) {
+  const bool adams = options.method == Method::adams;
+  memory = CVodeCreate(adams ? CV_ADAMS : CV_BDF, context);
   if (!memory) throw IntegrationStopped(Reason::failed, "CVodeCreate failed");
 #if SUNDIALS_VERSION_MAJOR < 7
   require(CVodeSetErrHandlerFn(memory, error_handler, this), "CVodeSetErrHandlerFn");
 #endif
   require(CVodeInit(memory, right_side, t, y), "CVodeInit");
-  if (method == Method::adams) {
-    nonlinear = SUNNonlinSol_FixedPoint(y, 0, context);
+  if (adams) {
+    nonlinear = SUNNonlinSol_FixedPoint(
+        y, options.remembered_iterates < 0 ? remembered_iterates : options.remembered_iterates, context);
     require(CVodeSetNonlinearSolver(memory, nonlinear), "CVodeSetNonlinearSolver");
   } else {
     matrix = SUNDenseMatrix(size, size, context);
     linear = SUNLinSol_Dense(y, matrix, context);
     require(CVodeSetLinearSolver(memory, linear, matrix), "CVodeSetLinearSolver");
   }
-  require(CVodeSetNonlinConvCoef(memory, nonlinear_fraction), "CVodeSetNonlinConvCoef");
+  const double fraction = options.nonlinear_fraction > 0 ? options.nonlinear_fraction
+                          : adams                        ? adams_fraction
+                                                         : bdf_fraction;
+  require(CVodeSetNonlinConvCoef(memory, fraction), "CVodeSetNonlinConvCoef");
+  if (options.max_order > 0) require(CVodeSetMaxOrd(memory, options.max_order), "CVodeSetMaxOrd");
   require(CVodeSetMaxNonlinIters(memory, nonlinear_iterations), "CVodeSetMaxNonlinIters");
 }
 
@@ -313,14 +327,15 @@ Integrator::Integrator(RightSide f, double t0, std::span<const double> y0, const
   SUNContext_ClearErrHandlers(s.context);
   SUNContext_PushErrHandler(s.context, Impl::error_handler, &s);
 #endif
-  s.y = N_VNew_Serial(size, s.context);
-  N_VEnableFusedOps_Serial(s.y, SUNTRUE);
-  for (N_Vector* v : {&s.start, &s.weights, &s.errors}) *v = N_VNew_Serial(size, s.context);
+  // The dense Newton solver makes vectors of the columns of its matrix, which have no filled blocks.
+  s.y =
+      options.method == Method::bdf ? N_VNew_Serial(size, s.context) : small_vector::create(size, s.context);
+  for (N_Vector* v : {&s.start, &s.weights, &s.errors}) *v = N_VClone(s.y);
   std::copy(y0.begin(), y0.end(), N_VGetArrayPointer(s.y));
   if (s.runge_kutta)
     s.create_arkode();
   else
-    s.create_cvode(options.method, size);
+    s.create_cvode(options, size);
   require(s.solver.user_data(s.memory, &s), "SetUserData");
   std::copy(options.atol.begin(), options.atol.end(), N_VGetArrayPointer(s.errors));
   require(s.solver.tolerances(s.memory, options.rtol, s.errors), "SVtolerances");

@@ -12,7 +12,7 @@
 namespace osculate {
 
 enum class Method {
-  adams,        // CVODE, fixed point
+  adams,        // CVODE, fixed point with Anderson's acceleration
   bdf,          // CVODE, Newton, dense
   runge_kutta,  // ARKODE, Dormand and Prince's explicit 5(4); a restart costs one evaluation
 };
@@ -22,6 +22,10 @@ struct IntegratorOptions {
   double rtol = 1e-10;       // local error in each y_i, root mean square: |e_i| <= rtol |y_i| + atol_i
   std::vector<double> atol;  // one for each y_i, > 0
   double max_step = 0.1;     // s, > 0
+  // For studies of the method; 0 or -1 is what docs/work-precision.md found to be best.
+  int max_order = 0;              // of adams (up to 12) and bdf (up to 5); 0: these limits
+  double nonlinear_fraction = 0;  // of the tolerance, to which the corrector is solved; CVODE's default: 0.1
+  int remembered_iterates = -1;   // by Anderson's acceleration of the corrector of adams
 };
 
 /// Why an integration cannot go on. The states accepted so far stay valid.

@@ -28,15 +28,17 @@ ArmDescription arm_of(std::size_t joints) {
 }  // namespace
 
 TEST_CASE("the plant's surface, scales and dynamics") {
-  const auto plane = parse_with(
-                         "plant: {mass_scale: [1, 2], inertia_scale: 3, dynamics: dense,\n"
-                         "  environment: {type: plane, point: [0, 0, 1], normal: [0, 1, 1], stiffness: 5, "
-                         "damping: 6, friction: 7, v_s: 8}}")
-                         .plant;
+  const auto plane =
+      parse_with(
+          "plant: {mass_scale: [1, 2], inertia_scale: 3, dynamics: dense, share_kinematics: false,\n"
+          "  environment: {type: plane, point: [0, 0, 1], normal: [0, 1, 1], stiffness: 5, "
+          "damping: 6, friction: 7, v_s: 8}}")
+          .plant;
   CHECK(plane.mass_scale == 1);
   CHECK(plane.link_mass_scale == std::vector<double>{1, 2});
   CHECK(plane.inertia_scale == 3);
   CHECK(plane.dynamics == PlantDynamics::dense);
+  CHECK(!plane.share_kinematics);
   CHECK(plane.environment.value() ==
         Environment{Plane{Vector3<double>(0, 0, 1), Vector3<double>(0, 1, 1)}, 5, 6, 7, 8});
   const auto ball = parse_with("plant: {environment: {type: ball, centre: [1, 2, 3], radius: 4}}").plant;

@@ -88,7 +88,7 @@ std::string words_of(const Experiment& e) {
       << static_cast<int>(e.integrator.method) << static_cast<int>(e.verify.record) << e.verify.shadow
       << static_cast<int>(e.plant.dynamics) << static_cast<int>(e.controller.textbook) << e.verify.poles
       << e.controller.feedforward << static_cast<int>(e.controller.effort_limit)
-      << e.controller.compensate_friction << e.controller.compensate_tip_force
+      << e.plant.share_kinematics << e.controller.compensate_friction << e.controller.compensate_tip_force
       << static_cast<int>(e.controller.orientation) << static_cast<int>(e.controller.position) << '|'
       << e.expect.stop << '|';
   for (const auto& id : e.expect.fails) out << id << ',';
@@ -153,6 +153,7 @@ TEST_CASE("what to_yaml writes is read back bit for bit") {
   e.controller.law = seed % 2 == 0 ? Law::free : Law::operational_space;
   e.controller.feedforward = seed % 2 == 0;
   e.plant.inertia_scale = positive();
+  e.plant.share_kinematics = seed % 2 == 0;
   e.plant.dynamics = seed % 2 == 0 ? PlantDynamics::dense : PlantDynamics::recursive;
   if (seed == 1) e.plant.environment = Environment{Plane{{any(), 1, any()}, {any(), 1, any()}}, positive()};
   if (seed == 2)

@@ -1,0 +1,150 @@
+// Simbody: O(n) operators, and its dense matrices. C++17.
+#include <Simbody.h>
+
+#include <Eigen/Geometry>
+#include <memory>
+
+#include "benchmarks/dense_task.hpp"
+
+namespace osculate::bench {
+
+namespace {
+
+SimTK::Vec3 vec3(const Eigen::Vector3d& v) { return {v[0], v[1], v[2]}; }
+
+SimTK::Rotation rotation_of(const Eigen::Matrix3d& R) {
+  return SimTK::Rotation(
+      SimTK::Mat33(R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)),
+      true);  // as it is: orthogonal already
+}
+
+DenseTask::Six1 six(const SimTK::SpatialVec& v) {
+  DenseTask::Six1 out;
+  for (int i = 0; i < 3; ++i) out[i] = v[0][i], out[3 + i] = v[1][i];
+  return out;
+}
+
+struct Simbody {
+  explicit Simbody(const Arm& arm)
+      : n(arm.n()),
+        matter(system),
+        gravity(vec3(arm.gravity)),
+        tip_point(vec3(arm.p_tip)),
+        T(n, 0.0),
+        none(n, 0.0),
+        udot(n, 0.0),
+        columns(n, 6),
+        solved(n, 6),
+        task(n) {
+    SimTK::MobilizedBody inboard = matter.Ground();
+    for (const Arm::Link& link : arm.links) {
+      const Eigen::Vector3d& r = link.com;
+      const Eigen::Matrix3d I =
+          link.inertia + link.mass * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+      const SimTK::MassProperties mass(link.mass, vec3(r),
+                                       SimTK::Inertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)));
+      // A pin turns about z of both joint frames.
+      const Eigen::Matrix3d A =
+          Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), link.axis).toRotationMatrix();
+      const SimTK::MobilizedBody::Pin body(
+          inboard, SimTK::Transform(rotation_of(link.R_origin * A), vec3(link.p_origin)),
+          SimTK::Body::Rigid(mass), SimTK::Transform(rotation_of(A)));
+      masses.push_back({body.getMobilizedBodyIndex(), vec3(r), link.mass * gravity});
+      inboard = body;
+    }
+    last = inboard.getMobilizedBodyIndex();
+    system.realizeTopology();
+    state = system.getDefaultState();
+    system.realize(state, SimTK::Stage::Instance);
+  }
+
+  /// Afterwards `weights` holds gravity on every body.
+  void place(const State& given) {
+    std::copy_n(given.q.data(), n, &state.updQ()[0]);
+    std::copy_n(given.qd.data(), n, &state.updU()[0]);
+    system.realize(state, SimTK::Stage::Dynamics);
+    weights.resize(matter.getNumBodies());
+    weights.setToZero();
+    for (const auto& [body, com, weight] : masses)
+      matter.addInStationForce(state, body, com, weight, weights);
+  }
+
+  void forward_dynamics(const State& given, Answer& answer) {
+    place(given);
+    std::copy_n(given.T.data(), n, &T[0]);
+    matter.calcAccelerationIgnoringConstraints(state, T, weights, udot, accelerations);
+    std::copy_n(&udot[0], n, answer.qdd.data());
+  }
+
+  void task_by_operators(const State& given, Answer& answer) {
+    place(given);
+    for (int i = 0; i < 6; ++i) {
+      SimTK::SpatialVec unit(SimTK::Vec3(0), SimTK::Vec3(0));
+      unit[i / 3][i % 3] = 1;
+      matter.multiplyByFrameJacobianTranspose(state, last, tip_point, unit, udot);
+      std::copy_n(&udot[0], n, columns.col(i).data());
+      matter.multiplyByMInv(state, udot, T);
+      std::copy_n(&T[0], n, solved.col(i).data());
+    }
+    task.Omega.noalias() = columns.transpose() * solved;
+    matter.calcAccelerationIgnoringConstraints(state, none, weights, udot, accelerations);
+    const SimTK::MobilizedBody& body = matter.getMobilizedBody(last);
+    const SimTK::SpatialVec& A = accelerations[last];
+    const SimTK::Vec3 r = body.expressVectorInGroundFrame(state, tip_point);
+    const SimTK::Vec3& w = body.getBodyAngularVelocity(state);
+    task.free = six({A[0], A[1] + A[0] % r + w % (w % r)});
+    task.force(given, answer);
+    Eigen::Map<Eigen::VectorXd>(answer.T.data(), n).noalias() =
+        columns * Eigen::Map<const DenseTask::Six1>(answer.F.data());
+  }
+
+  void task_dense(const State& given, Answer& answer) {
+    place(given);
+    matter.calcM(state, M);
+    matter.calcResidualForceIgnoringConstraints(state, none, weights, none, udot);
+    matter.calcFrameJacobian(state, last, tip_point, J);
+    for (int j = 0; j < n; ++j) task.J.col(j) = six(J[j]);
+    task.Jdot_qd = six(matter.calcBiasForFrameJacobian(state, last, tip_point));
+    task.solve(Eigen::Map<const Eigen::MatrixXd>(&M(0, 0), n, n),
+               Eigen::Map<const Eigen::VectorXd>(&udot[0], n), given, answer);
+  }
+
+  struct Mass {
+    SimTK::MobilizedBodyIndex body;
+    SimTK::Vec3 com, weight;
+  };
+
+  int n;
+  SimTK::MultibodySystem system;
+  SimTK::SimbodyMatterSubsystem matter;
+  SimTK::Vec3 gravity, tip_point;
+  std::vector<Mass> masses;
+  SimTK::MobilizedBodyIndex last;
+  SimTK::State state;
+  SimTK::Vector T, none, udot;
+  SimTK::Vector_<SimTK::SpatialVec> weights, accelerations;
+  SimTK::Matrix M;
+  SimTK::RowVector_<SimTK::SpatialVec> J;
+  Eigen::Matrix<double, Eigen::Dynamic, 6> columns, solved;
+  DenseTask task;
+};
+
+}  // namespace
+
+extern "C" __attribute__((visibility("default"))) void add_routes(const Arm& arm,
+                                                                  std::vector<Route>& routes) {
+  const auto simbody = std::make_shared<Simbody>(arm);
+  routes.push_back({"Simbody", "multiplyByFrameJacobianTranspose, multiplyByMInv, calcAcceleration",
+                    Call::task, [simbody](const State& s, Answer& a) { simbody->task_by_operators(s, a); },
+                    [simbody](double* out) { simbody->task.read_Omega(out); }});
+  routes.push_back({"Simbody", "calcM, calcResidualForce, calcFrameJacobian, calcBias, Cholesky", Call::task,
+                    [simbody](const State& s, Answer& a) { simbody->task_dense(s, a); },
+                    [simbody](double* out) { simbody->task.read_Omega(out); }});
+  routes.push_back({"Simbody",
+                    "calcAccelerationIgnoringConstraints",
+                    Call::forward_dynamics,
+                    [simbody](const State& s, Answer& a) { simbody->forward_dynamics(s, a); },
+                    {}});
+}
+
+}  // namespace osculate::bench
