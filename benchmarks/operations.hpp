@@ -107,12 +107,12 @@ inline std::vector<Cost> sweep_costs(const Sample& at) {
   };
   add("forward kinematics", [&] { builder.place(at.positions, arm); });
   add("sweep 1, velocities", [&] { sweep_velocities(arm, rates, ground, x); });
-  add("sweep 2, articulated inertia", [&] { sweep_articulated(arm, ground, {}, x); });
-  add("sweep 3, compliance", [&] { sweep_compliance(arm, ground.a_g, x); });
-  add("6 x 6 factor and one solve", [&] { F = tip_force(x[0].Omega, right, at.u); });
+  add("sweep 2, articulated inertia", [&] { sweep_articulated(arm, x, ground, {}, x); });
+  add("sweep 3, compliance", [&] { sweep_compliance(arm, ground, ground.a_g, x); });
+  add("6 x 6 factor and one solve", [&] { F = tip_force(x.Omega0, right, at.u); });
   add("sweep 4, torques", [&] { sweep_torques(arm, F, x); });
   add("gravity sweep, g(0) by itself", [&] { sweep_gravity(arm, ground.a_g, x); });
-  add("acceleration sweep", [&] { sweep_accelerations(arm, ground, x); });
+  add("acceleration sweep", [&] { sweep_accelerations(arm, x, ground, x); });
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/chain.hpp"
+#include "scalar/sine_cosine.hpp"
 
 namespace osculate {
 
@@ -92,22 +93,34 @@ JointPosition<S> joint_position(const Link<S>& link, const S* q) {
   return out;
 }
 
+/// The same for doubles where every joint has one coordinate: sines and cosines of several joints at once.
+inline void set_one_axis_positions(const Chain<double>& chain, std::span<const double> q,
+                                   std::vector<JointPosition<double>>& out) {
+  constexpr std::size_t block = 64;
+  double sine[block], cosine[block];
+  for (std::size_t first = 0; first < q.size(); first += block) {
+    const std::size_t count = std::min(block, q.size() - first);
+    sine_cosine(&q[first], sine, cosine, count);
+    for (std::size_t i = 0; i < count; ++i) {
+      JointPosition<double>& joint = out[first + i];
+      if (chain.links[first + i].type == JointType::revolute)
+        joint.c = cosine[i], joint.s = sine[i];
+      else
+        joint.d = q[first + i];
+    }
+  }
+}
+
 /// Joint positions (base to tip) of a chain from coordinates q (base to tip, q.size() == chain.positions()).
 template <Field S>
 void set_positions(const Chain<S>& chain, std::span<const S> q, std::vector<JointPosition<S>>& out) {
-  using std::cos;
-  using std::sin;
   out.resize(chain.links.size());
+  if constexpr (std::same_as<S, double>)
+    if (q.size() == out.size()) return set_one_axis_positions(chain, q, out);
   const S* at = q.data();
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const Link<S>& link = chain.links[i];
-    if (link.type == JointType::revolute)
-      out[i].c = cos(*at), out[i].s = sin(*at);
-    else if (link.type == JointType::prismatic)
-      out[i].d = *at;
-    else
-      out[i] = joint_position(link, at);
-    at += position_count(link.type);
+    out[i] = joint_position(chain.links[i], at);
+    at += position_count(chain.links[i].type);
   }
 }
 

@@ -163,47 +163,53 @@ void fill_links(const Question<S>& ask, Swept<S>& out) {
   builder.place(ask.positions, arm);
   Passes<H> x(n);
   for (int k = 1; k <= n; ++k) x[k].T0 = joint_entry<H>(order, {}, k);
-  sweep_velocities(arm, JointList<H>{order, span_of(ask.qd)}, ground, x);
-  sweep_articulated(arm, ground, {}, x);
-  sweep_compliance(arm, {}, x);
-  out.printed_4_3 = column(x[0].eta);
-  sweep_compliance(arm, ground.a_g, x);
-  sweep_gravity(arm, ground.a_g, x);
-  sweep_torques(arm, force(ask.F), x);
-
   for (auto* v : {&out.V, &out.a, &out.b, &out.z, &out.xi, &out.eta, &out.eta_g}) v->setZero(6 * n, 1);
   for (auto* A : {&out.P, &out.E_psi, &out.Omega}) A->setZero(6 * n, 6 * n);
   out.G.setZero(6 * n, m), out.K.setZero(6 * n, m), out.D.setZero(m, m), out.W.setZero(6, 6 * n);
+  const auto set = [](MatrixX<S>& to, int k, const auto& v) { to.block(6 * (k - 1), 0, 6, 1) = column(v); };
+  const auto set_block = [](MatrixX<S>& to, int k, const auto& A) {
+    to.block(6 * (k - 1), 6 * (k - 1), 6, 6) = matrix(A);
+  };
+
+  sweep_velocities(arm, JointList<H>{order, span_of(ask.qd)}, ground, x,
+                   [&](int k, const auto& V) { set(out.V, k, V); });
+  sweep_articulated(arm, x, ground, {}, x, [&](int k, const auto& P, const auto& z) {
+    set_block(out.P, k, P);
+    set(out.z, k, z);
+  });
+  sweep_compliance(arm, ground, {}, x);
+  out.printed_4_3 = column(x.eta0);
+  sweep_compliance(arm, ground, ground.a_g, x, [&](int k, const auto& Omega, const auto& eta, const auto& xi) {
+    set_block(out.Omega, k, Omega);
+    set(out.eta, k, eta);
+    set(out.xi, k, xi);
+  });
+  sweep_gravity(arm, ground.a_g, x, [&](int k, const auto& eta) { set(out.eta_g, k, eta); });
+  sweep_torques(arm, force(ask.F), x);
+
   std::vector<S> T(static_cast<std::size_t>(m));
   Eigen::Index first = 0;
   for (int k = 1; k <= n; ++k) {
     const Eigen::Index at = 6 * (k - 1), count = order[k].m;
-    out.V.block(at, 0, 6, 1) = column(x[k].V);
-    out.a.block(at, 0, 6, 1) = column(x[k].a);
-    out.b.block(at, 0, 6, 1) = column(x[k].b);
-    out.z.block(at, 0, 6, 1) = column(x[k].z);
-    out.xi.block(at, 0, 6, 1) = column(x[k].xi);
-    out.eta.block(at, 0, 6, 1) = column(x[k].eta);
-    out.eta_g.block(at, 0, 6, 1) = column(x[k].eta_g);
-    out.P.block(at, at, 6, 6) = matrix(x[k].P);
-    out.Omega.block(at, at, 6, 6) = matrix(x[k].Omega);
+    set(out.a, k, x[k].a);
+    set(out.b, k, x[k].b);
     out.G.block(at, first, 6, count) = block(x[k].G);
     out.D.block(first, first, count, count) = block(x[k].D);
     if (k < n) {
-      out.K.block(at + 6, first, 6, count) = block(x[k].K);
-      out.E_psi.block(at + 6, at, 6, 6) = block(x[k].psi);
+      out.K.block(at + 6, first, 6, count) = block(arm[k].phi * x[k].G);
+      out.E_psi.block(at + 6, at, 6, 6) = block(psi_of(arm, arm[k].hinge, x, k));
     } else {
-      out.W.block(0, at, 6, 6) = block(x[k].psi);
+      out.W.block(0, at, 6, 6) = block(psi_of(arm, arm[k].hinge, x, k));
     }
     set_joint_entry<H>(order, std::span<S>(T), k, x[k].T);
     first += count;
   }
   out.T_of_F = tip_first(order, T);
-  out.V_tip = column(x[0].V);
-  out.a_tip = column(x[0].a);
-  out.Omega_tip = matrix(x[0].Omega);
-  out.of_c_plus_g = column(x[0].eta);
-  out.of_g = column(x[0].eta_g);
+  out.V_tip = column(x.V0);
+  out.a_tip = column(x.a0);
+  out.Omega_tip = matrix(x.Omega0);
+  out.of_c_plus_g = column(x.eta0);
+  out.of_g = column(x.eta_g0);
   BasicOperationalSpace<H> space(ask.chain);
   space.place(ask.positions);
   out.of_c = column(space.right_side_of_c(span_of(ask.qd)));

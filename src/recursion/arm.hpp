@@ -2,12 +2,14 @@
 // the tip. This file is the one place where base-to-tip order becomes tip-to-base order.
 #pragma once
 
+#include <array>
 #include <span>
 #include <type_traits>
 #include <vector>
 
-#include "model/chain.hpp"
+#include "model/aligned.hpp"
 #include "model/pose.hpp"
+#include "scalar/inlined.hpp"
 #include "spatial/hinge.hpp"
 #include "spatial/joint.hpp"
 
@@ -31,6 +33,10 @@ Vec3<S> to_vec3(const Vector3<S>& v) {
 template <Field S>
 Mat3<S> to_mat3(const Matrix3<S>& m) {
   return {{m(0, 0), m(0, 1), m(0, 2)}, {m(1, 0), m(1, 1), m(1, 2)}, {m(2, 0), m(2, 1), m(2, 2)}};
+}
+template <Field S>
+Axes<S> to_axes(const Matrix3<S>& m) {
+  return {to_vec3(Vector3<S>(m.col(0))), to_vec3(Vector3<S>(m.col(1))), to_vec3(Vector3<S>(m.col(2)))};
 }
 template <Field S>
 Mat3<S> identity3() {
@@ -59,11 +65,6 @@ constexpr Placement<S> operator*(const Placement<S>& in, const TurnedShift<S>& p
   return {in.R * phi.R, in.p + in.R * phi.l};
 }
 
-/// In one frame nothing is left to do: placing the arm has found the tip.
-template <Field S>
-constexpr const Placement<S>& operator*(const Placement<S>& in, const Shift<S>&) {
-  return in;
-}
 /// A vector of the inertial frame in the axes of `at`.
 template <class Space, Field S>
 constexpr Vec<Space, S> seen_from(const Placement<S>& at, const Vec<Space, S>& v) {
@@ -127,10 +128,10 @@ struct JointOrder {
 /// The coordinates of joint k from a base-to-tip list; zero from an empty one.
 template <class H>
 typename H::Coordinate joint_entry(const JointOrder& order, std::span<const typename H::Scalar> list, int k) {
-  const auto [first, m] = order[k];
   if constexpr (has_one_axis<H>) {
-    return list.empty() ? typename H::Scalar(0) : list[static_cast<std::size_t>(first)];
+    return list.empty() ? typename H::Scalar(0) : list[order.joint.size() - 1 - static_cast<std::size_t>(k)];
   } else {
+    const auto [first, m] = order[k];
     typename H::Coordinate out{m, {}};
     if (!list.empty())
       for (int i = 0; i < m; ++i) out[i] = list[static_cast<std::size_t>(first + i)];
@@ -140,11 +141,12 @@ typename H::Coordinate joint_entry(const JointOrder& order, std::span<const type
 template <class H>
 void set_joint_entry(const JointOrder& order, std::span<typename H::Scalar> list, int k,
                      const typename H::Coordinate& value) {
-  const auto [first, m] = order[k];
-  if constexpr (has_one_axis<H>)
-    list[static_cast<std::size_t>(first)] = value;
-  else
+  if constexpr (has_one_axis<H>) {
+    list[order.joint.size() - 1 - static_cast<std::size_t>(k)] = value;
+  } else {
+    const auto [first, m] = order[k];
     for (int i = 0; i < m; ++i) list[static_cast<std::size_t>(first + i)] = value[i];
+  }
 }
 
 /// Joint coordinates in the paper's numbering from a base-to-tip list, for joints of any kind.
@@ -155,24 +157,22 @@ struct JointList {
   typename H::Coordinate operator[](int k) const { return joint_entry<H>(order, base_first, k); }
 };
 
-/// The constants of a chain, prepared once so that placing the arm costs field operations only: R_origin
-/// Rot(axis) is A + c B + s C, and the inertia is about O(k). Joints with one axis need H = Hinge.
+/// The constants of a chain, prepared once so that placing the arm costs field operations only: joint axes along
+/// z (aligned.hpp), and the inertia about O(k). Joints with one axis need H = Hinge.
 template <class H>
 class BasicArmBuilder {
  public:
   using S = typename H::Scalar;
 
-  explicit BasicArmBuilder(const Chain<S>& chain) {
+  explicit BasicArmBuilder(const Chain<S>& given) {
+    const Chain<S> chain = aligned(given);
     for (const auto& l : chain.links) {
       Constants c;
       c.type = l.type;
       c.axis = to_vec3(l.axis);
       c.axis2 = to_vec3(l.axis2);
       c.p = to_vec3(l.p_origin);
-      c.R = to_mat3(l.R_origin);
-      c.A = outer(c.R * c.axis, c.axis);
-      c.B = c.R - c.A;
-      c.C = cross(c.R, c.axis);
+      c.R = to_axes(l.R_origin);
       const Vec3<S> com = to_vec3(l.com);
       c.M.mp = com * l.mass;
       // I about O = I about the centre of mass - m p~ p~
@@ -181,9 +181,14 @@ class BasicArmBuilder {
       c.M.I = faulty(Fault::inertia_about_com) ? about_com : about_com - moved;
       c.M.m = l.mass;
       c.J = l.armature;
+      c.R_along = {c.R.x, c.R.y, c.R.z};
+      c.p_along = c.p;
+      c.mp_along = c.M.mp;
+      c.I_along = c.M.I;
       links_.push_back(c);
     }
-    tip_ = {to_mat3(chain.R_tip), to_vec3(chain.p_tip)};
+    tip_axes_ = to_axes(chain.R_tip);
+    tip_point_ = to_vec3(chain.p_tip);
     a_g_ = {{S(0), S(0), S(0)}, seeded(Fault::gravity_sign, -to_vec3(chain.gravity))};
   }
 
@@ -209,70 +214,80 @@ class BasicArmBuilder {
   /// allocation after the first call.
   void place(const std::vector<JointPosition<S>>& joints, BasicArm<H>& arm) const {
     arm.link.resize(links_.size() + 1);
-    if constexpr (in_link_frames<H>) {
-      for (int k = n(); k >= 1; --k) {
-        const auto i = static_cast<std::size_t>(n() - k);
-        const Constants& c = links_[i];
-        auto& [phi, hinge, M, J] = arm[k];
-        phi.R = c.turned(joints[i]);
-        phi.l = c.p + c.R * c.slid(joints[i]);
-        set_axes(hinge, J, c, transpose(phi.R) * c.R, identity3<S>());
-        M = c.M;
-      }
-      arm[0].phi = {tip_.R, tip_.p};
-    } else {
-      Mat3<S> R = arm.base.R;  // axes of link k in the inertial frame
-      Vec3<S> O = arm.base.p;  // O(k)
-      for (int k = n(); k >= 1; --k) {
-        const auto i = static_cast<std::size_t>(n() - k);
-        const Constants& c = links_[i];
-        auto& [phi, hinge, M, J] = arm[k];
-        phi.l = R * c.p;
-        if constexpr (has_one_axis<H>) {
-          R = R * c.turned(joints[i]);
-          set_axes(hinge, J, c, R, R);
-          if (c.type == JointType::prismatic)  // O(k) moves with link k
-            phi.l = phi.l + seeded(Fault::slide, hinge.h * joints[i].d);
-        } else {
-          const Mat3<S> R_joint = R * c.R;
-          phi.l = phi.l + R_joint * c.slid(joints[i]);
-          R = R * c.turned(joints[i]);
-          set_axes(hinge, J, c, R_joint, R);
-        }
-        M = {turned(faulty(Fault::inertia_turned_back) ? transpose(R) : R, c.M.I),
-             faulty(Fault::first_moment_not_turned) ? c.M.mp : R * c.M.mp, c.M.m};
-        O = O + phi.l;
-      }
-      arm[0].phi.l = faulty(Fault::tip_not_turned) ? tip_.p : R * tip_.p;
-      arm.tip = {R * tip_.R, O + arm[0].phi.l};
-    }
+    if constexpr (in_link_frames<H>)
+      place_in_link_frames(joints, arm);
+    else
+      inlined<S>([&] { place_in_one_frame(joints, arm); });
   }
 
  private:
   struct Constants {
     JointType type;
-    Vec3<S> axis, axis2, p;
-    Mat3<S> R, A, B, C;
-    RigidInertia<S> M;  // link axes
+    Vec3<S> axis, axis2;  // joint axes
+    Axes<S> R;            // joint axes, and
+    Vec3<S> p;            // origin, in the inboard link's axes
+    RigidInertia<S> M;    // link axes
     S J;
-    /// Link axes in the inboard link's.
-    Mat3<S> turned(const JointPosition<S>& q) const {
-      if (one_axis(type)) return A + B * q.c + seeded(Fault::sense_of_rotation, C * q.s);
-      return R * to_mat3(q.R);
-    }
-    /// Displacement of the link's origin, joint axes, m.
-    Vec3<S> slid(const JointPosition<S>& q) const {
-      return one_axis(type) ? seeded(Fault::slide, axis * q.d) : to_vec3(q.p);
-    }
+    // R, p and M again, as what multiplies vectors
+    std::array<Coefficients<S>, 3> R_along;
+    Coefficients<S> p_along, mp_along;
+    SymmetricCoefficients<S> I_along;
   };
+  /// Axes of a link whose joint's axes are `joint`, at q.
+  static Axes<S> turned_by(const JointType type, const Axes<S>& joint, const JointPosition<S>& q) {
+    if (type == JointType::prismatic) return joint;
+    if (type != JointType::revolute) return joint * to_axes(q.R);
+    const S s = seeded(Fault::sense_of_rotation, q.s);
+    return {joint.x * q.c + joint.y * s, joint.y * q.c - joint.x * s, joint.z};
+  }
+  /// How far the link's origin has moved, m. joint: the joint's axes, in which frame the result is.
+  static Vec3<S> slid(const JointType type, const Axes<S>& joint, const JointPosition<S>& q) {
+    if (type == JointType::revolute) return {};
+    if (type == JointType::prismatic) return seeded(Fault::slide, joint.z * q.d);
+    return joint * to_vec3(q.p);
+  }
+
+  void place_in_one_frame(const std::vector<JointPosition<S>>& joints, BasicArm<H>& arm) const {
+    Axes<S> e = axes_of(arm.base.R);  // of link k
+    Vec3<S> O = arm.base.p;           // O(k)
+    for (int k = n(); k >= 1; --k) {
+      const auto i = static_cast<std::size_t>(n() - k);
+      const Constants& c = links_[i];
+      auto& [phi, hinge, M, J] = arm[k];
+      const Axes<S> joint = {e * c.R_along[0], e * c.R_along[1], e * c.R_along[2]};
+      phi.l = e * c.p_along;
+      if (c.type != JointType::revolute) phi.l = phi.l + slid(c.type, joint, joints[i]);  // O(k) moves with link k
+      e = turned_by(c.type, joint, joints[i]);
+      set_axes(hinge, J, c, joint, e);
+      M = {turned(faulty(Fault::inertia_turned_back) ? inverse(e) : e, c.I_along),
+           faulty(Fault::first_moment_not_turned) ? c.M.mp : e * c.mp_along, c.M.m};
+      O = O + phi.l;
+    }
+    arm[0].phi.l = faulty(Fault::tip_not_turned) ? tip_point_ : e * tip_point_;
+    arm.tip = {matrix_of(e * tip_axes_), O + arm[0].phi.l};
+  }
+
+  void place_in_link_frames(const std::vector<JointPosition<S>>& joints, BasicArm<H>& arm) const {
+    const Axes<S> own = axes_of(identity3<S>());
+    for (int k = n(); k >= 1; --k) {
+      const auto i = static_cast<std::size_t>(n() - k);
+      const Constants& c = links_[i];
+      auto& [phi, hinge, M, J] = arm[k];
+      const Axes<S> e = turned_by(c.type, c.R, joints[i]);
+      phi.R = matrix_of(e);
+      phi.l = c.p + slid(c.type, c.R, joints[i]);
+      set_axes(hinge, J, c, inverse(e) * c.R, own);
+      M = c.M;
+    }
+    arm[0].phi = {matrix_of(tip_axes_), tip_point_};
+  }
 
   /// H(k) and J(k), from the joint's axes and the link's, both in the frame that link k uses.
-  static void set_axes(H& hinge, typename H::JointInertia& J, const Constants& c, const Mat3<S>& R_joint,
-                       const Mat3<S>& R_link) {
+  static void set_axes(H& hinge, typename H::JointInertia& J, const Constants& c, const Axes<S>& joint,
+                       const Axes<S>& link) {
     if constexpr (has_one_axis<H>) {
-      // The axis is the same in the joint's and the link's axes.
       hinge.kind = c.type == JointType::revolute ? HingeKind::revolute : HingeKind::prismatic;
-      hinge.h = in_link_frames<H> ? c.axis : R_link * c.axis;
+      hinge.h = link.z;  // the same as joint.z
       J.d = c.J;
     } else {
       const int m = velocity_count(c.type);
@@ -282,18 +297,15 @@ class BasicArmBuilder {
       const Vec3<S> none;
       const auto turn = [&](int i, const Vec3<S>& h) { hinge.axes[i] = {h, none}; };
       const auto slide = [&](int i, const Vec3<S>& h) { hinge.axes[i] = {none, h}; };
-      const auto column = [](const Mat3<S>& R, int i) {
-        const auto entry = [i](const Vec3<S>& row) { return i == 0 ? row.x : i == 1 ? row.y : row.z; };
-        return Vec3<S>{entry(R.x), entry(R.y), entry(R.z)};
-      };
-      const Vec3<S> h = R_joint * c.axis;
+      const auto column = [](const Axes<S>& e, int i) { return i == 0 ? e.x : i == 1 ? e.y : e.z; };
+      const Vec3<S> h = joint * c.axis;
       switch (c.type) {
         case JointType::revolute:
-          turn(0, R_link * c.axis);
+          turn(0, link.z);
           J(0, 0) = c.J;
           break;
         case JointType::prismatic:
-          slide(0, R_link * c.axis);
+          slide(0, link.z);
           J(0, 0) = c.J;
           break;
         case JointType::cylindrical:
@@ -302,25 +314,26 @@ class BasicArmBuilder {
           break;
         case JointType::universal:
           turn(0, h);
-          turn(1, R_link * c.axis2);
+          turn(1, link * c.axis2);
           break;
         case JointType::planar:
-          slide(0, R_joint * c.axis2);
-          slide(1, seeded(Fault::planar_axes, R_joint * cross(c.axis, c.axis2)));
+          slide(0, joint * c.axis2);
+          slide(1, seeded(Fault::planar_axes, joint * cross(c.axis, c.axis2)));
           turn(2, h);
           break;
         case JointType::spherical:
         case JointType::floating:
-          for (int i = 0; i < 3; ++i) turn(i, column(faulty(Fault::spherical_axes) ? R_joint : R_link, i));
+          for (int i = 0; i < 3; ++i) turn(i, column(faulty(Fault::spherical_axes) ? joint : link, i));
           if (m == 6)
-            for (int i = 0; i < 3; ++i) slide(3 + i, column(R_joint, i));
+            for (int i = 0; i < 3; ++i) slide(3 + i, column(joint, i));
           break;
       }
     }
   }
 
   std::vector<Constants> links_;
-  Placement<S> tip_;  // in the last link's frame
+  Axes<S> tip_axes_;  // in the last link's frame
+  Vec3<S> tip_point_;
   Vec<Motion, S> a_g_;
 };
 template <Field S>

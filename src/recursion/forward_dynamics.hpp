@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "recursion/sweeps.hpp"
+#include "recursion/operational_space.hpp"
 
 namespace osculate {
 
@@ -20,21 +20,31 @@ class BasicForwardDynamics {
 
   int n() const { return builder_.n(); }
 
-  void place(const std::vector<JointPosition<S>>& joints) { builder_.place(joints, arm_); }
+  void place(const std::vector<JointPosition<S>>& joints) {
+    leader_ = {};
+    builder_.place(joints, arm_);
+  }
   /// The base moves as prescribed; call before place. Without this call it is at rest in the inertial frame.
   void move_base(const BaseMotion<S>& base) {
     arm_.base = builder_.placement(base);
     ground_ = builder_.ground(base);
   }
 
+  /// Instead of place() and move(): takes the placed links (phi, H, M, J) and sweep 1 (V, a, b) of `space`, an arm of
+  /// the same chain on a base at rest, until the next place(). Nothing of its sweeps 2 to 4 is taken. `space` must
+  /// stay where it is, and as it is, while this object is asked.
+  void follow(const BasicOperationalSpace<H>& space) { leader_.space = &space; }
+
   /// Sweep 1: afterwards the tip's velocity is known.
-  void move(std::span<const S> qd) { sweep_velocities(arm_, JointList<H>{order_, qd}, ground_, x_); }
+  void move(std::span<const S> qd) {
+    inlined<S>([&] { sweep_velocities(arm_, JointList<H>{order_, qd}, ground_, x_); });
+  }
 
   /// qdd for joint torques T (friction already subtracted) and the wrench F_ext on the tip. After move().
   void accelerations(std::span<const S> T, const Vec<Force, S>& F_ext, std::span<S> qdd) {
     for (int k = 1; k <= n(); ++k) x_[k].T0 = joint_entry<H>(order_, T, k);
-    sweep_articulated(arm_, {}, F_ext, x_);
-    sweep_accelerations(arm_, ground_, x_);
+    inlined<S>([&] { sweep_articulated(arm(), moved(), {}, F_ext, x_); });
+    inlined<S>([&] { sweep_accelerations(arm(), moved(), ground_, x_); });
     for (int k = 1; k <= n(); ++k) set_joint_entry<H>(order_, qdd, k, x_[k].thdd);
   }
   /// Both.
@@ -44,18 +54,20 @@ class BasicForwardDynamics {
     accelerations(T, F_ext, qdd);
   }
 
-  const Vec<Motion, S>& tip_velocity() const { return x_[0].V; }
-  const Vec<Motion, S>& tip_acceleration() const { return x_[0].alpha; }
-  const Mat3<S>& tip_rotation() const { return arm_.tip.R; }
-  const Vec3<S>& tip_position() const { return arm_.tip.p; }
+  const Vec<Motion, S>& tip_velocity() const { return moved().V0; }
+  const Vec<Motion, S>& tip_acceleration() const { return x_.alpha0; }
+  const Mat3<S>& tip_rotation() const { return arm().tip.R; }
+  const Vec3<S>& tip_position() const { return arm().tip.p; }
 
-  /// Kinetic energy of links and rotors after accelerations(), J. A moving base has the links move with it.
+  /// Kinetic energy of links and rotors after place(), J. A moving base has the links move with it.
   S kinetic_energy(std::span<const S> qd) const {
     S twice = S(0);
-    for (int k = 1; k <= n(); ++k) {
+    auto V = ground_.V;
+    for (int k = n(); k >= 1; --k) {
       const auto rate = joint_entry<H>(order_, qd, k);
-      twice = twice + dot(arm_[k].M * x_[k].V, x_[k].V) +
-              seeded(Fault::rotor_energy, product(rate, arm_[k].J * rate));
+      V = arm()[k].phi.T() * V + arm()[k].hinge.T() * rate;
+      twice = twice + dot(arm()[k].M * V, V) +
+              seeded(Fault::rotor_energy, product(rate, arm()[k].J * rate));
     }
     return twice / S(2);
   }
@@ -63,15 +75,28 @@ class BasicForwardDynamics {
   /// Potential energy, zero when every centre of mass is at the origin of the inertial frame, J.
   S potential_energy() const {
     S U = S(0);
-    Vec3<S> O = arm_.base.p;  // O(k)
+    Vec3<S> O = arm().base.p;  // O(k)
     for (int k = n(); k >= 1; --k) {
-      O = O + arm_[k].phi.l;
-      U = U + dot(ground_.a_g.lin, arm_[k].M.mp + seeded(Fault::weight, O * arm_[k].M.m));
+      O = O + arm()[k].phi.l;
+      U = U + dot(ground_.a_g.lin, arm()[k].M.mp + seeded(Fault::weight, O * arm()[k].M.m));
     }
     return U;
   }
 
  private:
+  /// Whom follow() named; a copy of this object follows nobody.
+  struct Leader {
+    const BasicOperationalSpace<H>* space = nullptr;
+    Leader() = default;
+    Leader(const Leader&) {}
+    Leader& operator=(const Leader&) {
+      space = nullptr;
+      return *this;
+    }
+  };
+  const BasicArm<H>& arm() const { return leader_.space ? leader_.space->arm() : arm_; }
+  const Passes<H>& moved() const { return leader_.space ? leader_.space->passes() : x_; }
+
   static S product(const S& a, const S& b) { return a * b; }
   static S product(const JointVector<S>& a, const JointVector<S>& b) {
     S sum = S(0);
@@ -84,6 +109,7 @@ class BasicForwardDynamics {
   BasicArm<H> arm_;
   Passes<H> x_;
   Ground<S> ground_;
+  Leader leader_;
 };
 template <Field S>
 using ForwardDynamics = BasicForwardDynamics<Hinge<S>>;

@@ -46,9 +46,9 @@ class BasicOperationalSpace {
   /// point. The right side then is Omega (c + g - F_ext) - J M^-1 T0.
   void sweep(std::span<const S> qd, std::span<const S> T0 = {}, const Vec<Force, S>& F_ext = {}) {
     set_torques(T0);
-    sweep_velocities(arm_, rates(qd), ground_, x_);
-    sweep_articulated(arm_, ground_, seen(F_ext), x_);
-    sweep_compliance(arm_, seen(ground_.a_g), x_);
+    inlined<S>([&] { sweep_velocities(arm_, rates(qd), ground_, x_); });
+    inlined<S>([&] { sweep_articulated(arm_, x_, ground_, seen(F_ext), x_); });
+    inlined<S>([&] { sweep_compliance(arm_, ground_, seen(ground_.a_g), x_); });
   }
 
   /// Sweep 1 alone: tip velocity.
@@ -61,21 +61,21 @@ class BasicOperationalSpace {
     Ground<S> weightless = ground_;
     weightless.A = ground_.A - base_axes(ground_.a_g);
     weightless.a_g = {};
-    sweep_velocities(arm_, rates(qd), weightless, x_);
-    sweep_articulated(arm_, weightless, {}, x_);
-    sweep_compliance(arm_, {}, x_);
+    inlined<S>([&] { sweep_velocities(arm_, rates(qd), weightless, x_); });
+    inlined<S>([&] { sweep_articulated(arm_, x_, weightless, {}, x_); });
+    inlined<S>([&] { sweep_compliance(arm_, weightless, {}, x_); });
     return right_side();
   }
 
   /// Right side of Omega(0) g = ... (72). After sweep().
   Vec<Motion, S> right_side_of_g() {
-    sweep_gravity(arm_, base_axes(ground_.a_g), x_);
-    return inertial(x_[0].eta_g);
+    inlined<S>([&] { sweep_gravity(arm_, base_axes(ground_.a_g), x_); });
+    return inertial(x_.eta_g0);
   }
 
   /// Sweep 4: T = J* F + T0, base to tip (39).
   void torques(const Vec<Force, S>& F, std::span<S> T) {
-    sweep_torques(arm_, seen(F), x_);
+    inlined<S>([&] { sweep_torques(arm_, seen(F), x_); });
     give_torques(T);
   }
 
@@ -93,12 +93,12 @@ class BasicOperationalSpace {
     if (old_force_)
       sweep_articulated_and_torques(arm_, ground_, {}, F_, x_);
     else
-      sweep_articulated(arm_, ground_, {}, x_);
+      inlined<S>([&] { sweep_articulated(arm_, x_, ground_, {}, x_); });
     if (old_velocities)
       sweep_compliance_and_velocities(arm_, rates(qd), ground_, x_);
     else
-      sweep_compliance(arm_, seen(ground_.a_g), x_);
-    x_[0].eta = x_[0].eta - seeded(Fault::sampled_wrench, x_[0].Omega * seen(F_ext));
+      inlined<S>([&] { sweep_compliance(arm_, ground_, seen(ground_.a_g), x_); });
+    x_.eta0 = x_.eta0 - seeded(Fault::sampled_wrench, x_.Omega0 * seen(F_ext));
     if (delay == Delay::velocity || delay == Delay::both) keep_velocities(extrapolate);
   }
 
@@ -113,18 +113,21 @@ class BasicOperationalSpace {
     filled_ = true;
   }
 
-  Vec<Motion, S> tip_velocity() const { return inertial(x_[0].V); }
+  Vec<Motion, S> tip_velocity() const { return inertial(x_.V0); }
   const Mat3<S>& tip_rotation() const { return tip().R; }
   const Vec3<S>& tip_position() const { return tip().p; }
   decltype(auto) Omega() const {
     if constexpr (in_link_frames<H>)
-      return turned(x_.tip.R, x_[0].Omega);
+      return turned(x_.tip.R, x_.Omega0);
     else
-      return (x_[0].Omega);
+      return (x_.Omega0);
   }
-  Vec<Motion, S> right_side() const { return inertial(x_[0].eta); }
+  Vec<Motion, S> right_side() const { return inertial(x_.eta0); }
   /// D(k) of the last sweep, paper numbering 1..n.
   const typename H::JointInertia& articulated_joint_inertia(int k) const { return x_[k].D; }
+  /// The placed arm, and what the sweeps left at its links.
+  const BasicArm<H>& arm() const { return arm_; }
+  const Passes<H>& passes() const { return x_; }
   /// Sweeps along the arm so far, forward kinematics of `place` not counted.
   long sweeps() const { return x_.sweeps; }
 
@@ -167,15 +170,18 @@ class BasicOperationalSpace {
   }
   /// The biases of this state become those that the next sample uses.
   void keep_velocities(bool extrapolate) {
+    Vec<Force, S> none;  // the tip has no b
     for (int k = 0; k <= n(); ++k) {
-      auto& [a, b] = last_[static_cast<std::size_t>(k)];
-      const Bias now{x_[k].a, x_[k].b};
+      auto& [last_a, last_b] = last_[static_cast<std::size_t>(k)];
+      Vec<Motion, S>& a = k == 0 ? x_.a0 : x_[k].a;
+      Vec<Force, S>& b = k == 0 ? none : x_[k].b;
+      const Bias now{a, b};
       if (extrapolate && filled_) {
-        x_[k].a = extrapolated(Fault::extrapolated_velocity, now.a, a);
-        x_[k].b = extrapolated(Fault::extrapolated_velocity, now.b, b);
+        a = extrapolated(Fault::extrapolated_velocity, now.a, last_a);
+        b = extrapolated(Fault::extrapolated_velocity, now.b, last_b);
       }
-      if (faulty(Fault::velocity_too_old) && filled_) x_[k].a = a, x_[k].b = b;
-      a = now.a, b = now.b;
+      if (faulty(Fault::velocity_too_old) && filled_) a = last_a, b = last_b;
+      last_a = now.a, last_b = now.b;
     }
   }
 

@@ -56,6 +56,7 @@ class ResolvedAcceleration {
         order_(chain),
         coordinates_(chain.velocities()),
         x_(chain.n()),
+        alpha_(static_cast<std::size_t>(chain.n()) + 1),
         ground_(builder_.ground()) {}
 
   int n() const { return builder_.n(); }
@@ -69,14 +70,14 @@ class ResolvedAcceleration {
   void sweep(std::span<const S> qd) {
     ++x_.sweeps;
     const JointList<H> thd{order_, qd};
-    x_[n() + 1].V = ground_.V;
-    x_[n() + 1].alpha = ground_.A - ground_.a_g;
+    auto V = ground_.V;
+    auto alpha = ground_.A - ground_.a_g;
     for (int k = n(); k >= 1; --k) {
-      velocity_step(arm_[k], x_[k + 1], thd[k], x_[k]);
-      x_[k].alpha = arm_[k].phi.T() * x_[k + 1].alpha + x_[k].a;  // phi* a
+      velocity_step(arm_[k], arm_[k].hinge, thd[k], V, x_[k]);
+      alpha = arm_[k].phi.T() * alpha + x_[k].a;  // phi* a
     }
-    velocity_at_tip(arm_[0], x_[1], x_[0]);
-    x_[0].alpha = arm_[0].phi.T() * x_[1].alpha + x_[0].a;  // (46)
+    velocity_at_tip(arm_[0], V, x_);
+    x_.alpha0 = arm_[0].phi.T() * alpha + x_.a0;  // (46)
   }
 
   /// The joint torques under which the given rows of the tip's acceleration become u (m = number of joint
@@ -88,7 +89,7 @@ class ResolvedAcceleration {
     std::array<TaskVector<S>, 6> J{};
     gather_jacobian(rows, J);
     TaskVector<S> right = u;
-    const TaskVector<S> bias = restricted(seeded(Fault::resolved_bias, x_[0].alpha), rows);
+    const TaskVector<S> bias = restricted(seeded(Fault::resolved_bias, x_.alpha0), rows);
     for (std::size_t i = 0; i < rows.size(); ++i) right[i] = right[i] - bias[i];
     const auto qdd = solve_square(J, right, m, floor);  // (8)
     if (!qdd) return false;
@@ -98,7 +99,7 @@ class ResolvedAcceleration {
     return true;
   }
 
-  const Vec<Motion, S>& tip_velocity() const { return x_[0].V; }
+  const Vec<Motion, S>& tip_velocity() const { return x_.V0; }
   const Mat3<S>& tip_rotation() const { return arm_.tip.R; }
   const Vec3<S>& tip_position() const { return arm_.tip.p; }
   long sweeps() const { return x_.sweeps; }
@@ -128,19 +129,22 @@ class ResolvedAcceleration {
   /// Base -> tip: alpha(k) of links that move with qdd on a base that accelerates with A.
   void sweep_given_accelerations(const JointList<H>& thdd) {
     ++x_.sweeps;
-    x_[n() + 1].alpha = ground_.A;
-    for (int k = n(); k >= 1; --k)
-      x_[k].alpha = arm_[k].phi.T() * x_[k + 1].alpha + arm_[k].hinge.T() * thdd[k] + x_[k].a;
+    auto alpha = ground_.A;
+    for (int k = n(); k >= 1; --k) {
+      alpha = arm_[k].phi.T() * alpha + arm_[k].hinge.T() * thdd[k] + x_[k].a;
+      alpha_[static_cast<std::size_t>(k)] = alpha;
+    }
   }
 
   /// Tip -> base: interaction forces of (42)-(45), and T = M qdd + C + G.
   void sweep_forces(const Vec<Force, S>& F_ext, const JointList<H>& thdd, std::span<S> T) {
     ++x_.sweeps;
-    x_[0].f = -F_ext;
+    auto f = -F_ext;
     for (int k = 1; k <= n(); ++k) {
       const auto& [phi, Hk, M, J] = arm_[k];
-      x_[k].f = arm_[k - 1].phi * x_[k - 1].f + seeded(Fault::resolved_force, M * x_[k].alpha + x_[k].b);
-      set_joint_entry<H>(order_, T, k, Hk * x_[k].f + seeded(Fault::resolved_armature, J * thdd[k]));
+      const auto& alpha = alpha_[static_cast<std::size_t>(k)];
+      f = arm_[k - 1].phi * f + seeded(Fault::resolved_force, M * alpha + x_[k].b);
+      set_joint_entry<H>(order_, T, k, Hk * f + seeded(Fault::resolved_armature, J * thdd[k]));
     }
   }
 
@@ -149,6 +153,7 @@ class ResolvedAcceleration {
   int coordinates_;
   BasicArm<H> arm_;
   Passes<H> x_;
+  std::vector<Vec<Motion, S>> alpha_;  // of each link
   Ground<S> ground_;
 };
 

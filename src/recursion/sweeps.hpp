@@ -8,7 +8,8 @@
 // (k-1).
 //
 // Deviations from the print:
-//  - the P update carries the armature term K J K* (J: reflected motor inertia); K = phi G is (32);
+//  - the P update is psi P phi*, which is psi P psi* + K J K* (J: reflected motor inertia); as printed, psi P psi*
+//    alone, it holds for J = 0 only;
 //  - the base may move: V(n+1) starts (41), and A = Vdot(n+1) + a_g is reassigned to a(n) as section 4.3 does
 //    with a_g; a_g is also added on the right of (68), which the print omits; without it c+g is wrong by
 //    exactly Lambda a_g;
@@ -24,35 +25,42 @@
 
 namespace osculate {
 
-/// Everything the sweeps leave behind at link k. 0 is the tip point, n+1 the base.
+/// What one sweep leaves at link k for the next. V, P, z, xi, Omega, eta, f, alpha run along the arm and are not
+/// kept; whoever wants to see them gives a sweep a function `see`.
 template <class H>
 struct Pass {
   using S = typename H::Scalar;
   using Coordinate = typename H::Coordinate;
-  Vec<Motion, S> V, a;            // velocity, bias acceleration
-  Vec<Force, S> b;                // bias force
-  Inertia<S> P;                   // articulated inertia
-  typename H::JointInertia D;     // its projection on the joint axes, plus armature
-  typename H::Gain G, K;          // G(k), K(k+1,k)
-  Psi<H> psi;                     // psi(k+1,k)
-  Vec<Force, S> z;                // articulated bias force
-  Vec<Motion, S> xi, eta, eta_g;  // (66), (67), (73)
-  Compliance<S> Omega;            // (58)
-  Vec<Force, S> f;                // (39)
-  Coordinate T0{}, T{};           // joint torque known beforehand; joint torque of (39)
-  Vec<Motion, S> alpha;           // acceleration
-  Coordinate thdd{};              // joint acceleration (plant)
+  Vec<Motion, S> a;                     // bias acceleration
+  Vec<Force, S> b;                      // bias force
+  typename H::Gain G;                   // (31)
+  typename H::JointInertia D;           // (30), articulated inertia felt by the joint, with armature
+  typename H::JointMobility D_inverse;
+  Coordinate Hz{};                      // H(k) z(k)
+  Coordinate T0{}, T{};                 // joint torque known beforehand; joint torque of (39)
+  Coordinate thdd{};                    // joint acceleration (plant)
 };
 
-/// x[0] .. x[n+1], and how often a sweep went along the arm.
+/// x[1] .. x[n], what the sweeps find at the tip, and how often one went along the arm.
 template <class H>
 struct Passes {
+  using S = typename H::Scalar;
   std::vector<Pass<H>> pass;
-  Placement<typename H::Scalar> tip;  // in link frames: pose of the tip, found on the way out
+  Vec<Motion, S> V0, a0;        // V(0), a(0)
+  Compliance<S> Omega0;         // Omega(0) (60)
+  Vec<Motion, S> eta0, eta_g0;  // right sides of (65) and (72)
+  Vec<Motion, S> alpha0;        // acceleration of the tip
+  Placement<S> tip;             // in link frames: pose of the tip, found on the way out
   long sweeps = 0;
-  explicit Passes(int n) : pass(static_cast<std::size_t>(n) + 2) {}
+  explicit Passes(int n) : pass(static_cast<std::size_t>(n) + 1) {}
   Pass<H>& operator[](int k) { return pass[static_cast<std::size_t>(k)]; }
   const Pass<H>& operator[](int k) const { return pass[static_cast<std::size_t>(k)]; }
+};
+
+/// Looks at nothing.
+struct Unseen {
+  template <class... Values>
+  constexpr void operator()(int, const Values&...) const {}
 };
 
 /// a(k) of a joint whose H* is fixed in link k+1 or turns with link k about its own axes: all but universal.
@@ -80,154 +88,178 @@ constexpr Vec<Motion, S> bias_at_tip(const Vec<Motion, S>& V1, const Phi& phi) {
   return {{S(0), S(0), S(0)}, cross(w, cross(w, l))};
 }
 
-/// V(k), a(k), b(k) from the next link inward.
+/// V(k), a(k), b(k) from the next link inward. V: V(k+1), becomes V(k).
 template <class H>
-void velocity_step(const ArmLink<H>& link, const Pass<H>& in, const typename H::Coordinate& thd, Pass<H>& x) {
-  const auto& [phi, Hk, M, J] = link;
+constexpr void velocity_step(const ArmLink<H>& link, const H& Hk, const typename H::Coordinate& thd,
+                             Vec<Motion, typename H::Scalar>& V, Pass<H>& x) {
+  const auto& phi = link.phi;
+  const auto& M = link.M;
+  const auto in = V;
   const auto joint = Hk.T() * thd;
-  x.V = phi.T() * in.V + seeded(Fault::velocity_joint, joint);  // (41)
-  x.a = with_inner_bias(Hk, thd,
-                        seeded(Fault::bias_acceleration, bias_acceleration(in.V, phi, joint)));  // (48)
-  x.b = seeded(Fault::bias_force, bias_force(M, faulty(Fault::inner_velocity) ? in.V : x.V));    // (47)
+  V = phi.T() * in + seeded(Fault::velocity_joint, joint);  // (41)
+  x.a = with_inner_bias(Hk, thd, seeded(Fault::bias_acceleration, bias_acceleration(in, phi, joint)));  // (48)
+  x.b = seeded(Fault::bias_force, bias_force(M, faulty(Fault::inner_velocity) ? in : V));               // (47)
 }
 template <class H>
-void velocity_at_tip(const ArmLink<H>& tip, const Pass<H>& in, Pass<H>& x) {
-  x.V = tip.phi.T() * in.V;                                   // (41)
-  x.a = seeded(Fault::tip_bias, bias_at_tip(in.V, tip.phi));  // (48), k = 0
+constexpr void velocity_at_tip(const ArmLink<H>& tip, const Vec<Motion, typename H::Scalar>& V, Passes<H>& x) {
+  x.V0 = tip.phi.T() * V;                                  // (41)
+  x.a0 = seeded(Fault::tip_bias, bias_at_tip(V, tip.phi));  // (48), k = 0
 }
 
-/// P(k), D(k), G(k), K(k+1,k), psi(k+1,k) from the next link outward: one step of (37).
+/// psi(k+1,k) (33), after articulate.
 template <class H>
-void articulate(const ArmLink<H>& link, const typename H::JointInertia& J_out, const Pass<H>& out,
-                Pass<H>& x) {
-  const auto& [phi, Hk, M, J] = link;
-  auto& P = x.P;
-  P = out.psi * out.P * out.psi.T() + seeded(Fault::articulated_armature, out.K * J_out * out.K.T()) +
-      seeded(Fault::articulated_mass, M);  // (37)
-  if (faulty(Fault::armature_without_gain)) P = P - out.K * J_out * out.K.T();
-  x.D = Hk * P * Hk.T() + J;        // (30)
-  x.G = P * Hk.T() * inverse(x.D);  // (31)
-  x.K = phi * x.G;                  // (32)
-  x.psi = phi * (one - x.G * Hk);   // (33)
-  if (faulty(Fault::stale_gain)) x.psi = phi * (one - out.G * Hk);
+constexpr Psi<H> psi_of(const BasicArm<H>& arm, const H& Hk, const Passes<H>& x, int k) {
+  const auto& G = faulty(Fault::stale_gain) ? x[k - 1].G : x[k].G;
+  return arm[k].phi * (one - G * Hk);
 }
 
-/// z(k), xi(k) from the next link outward. abar: a(k), with A of the base added for k = n.
+/// D(k), G(k). P: what comes from link k-1, becomes P(k).
 template <class H>
-void bias_step(const H& Hk, const Pass<H>& out, const Vec<Motion, typename H::Scalar>& abar, Pass<H>& x) {
-  const auto& b = x.b;
-  x.z = out.psi * out.z + seeded(Fault::known_torque, out.K * out.T0) +
-        seeded(Fault::bias_inertia, x.P * abar) + seeded(Fault::articulated_force, b);  // (66)
-  x.xi = Hk.T() * inverse(x.D) * (seeded(Fault::innovation, Hk * x.z) - x.T0) -
-         seeded(Fault::innovation_bias, abar);  // (66)
+constexpr void articulate(const ArmLink<H>& link, const H& Hk, Inertia<typename H::Scalar>& P, Pass<H>& x) {
+  P = P + seeded(Fault::articulated_mass, link.M);  // (37)
+  x.D = Hk * P * Hk.T() + link.J;                   // (30)
+  x.D_inverse = inverse(x.D);
+  x.G = P * Hk.T() * x.D_inverse;  // (31)
 }
-/// abar(n): the innermost link also carries what the base does.
+/// P(k) as link k+1 feels it.
 template <class H>
-Vec<Motion, typename H::Scalar> with_ground(const Vec<Motion, typename H::Scalar>& a, const ArmLink<H>& link,
-                                            const Ground<typename H::Scalar>& ground) {
-  return a + link.phi.T() * ground.A;  // section 4.3: a(n) + phi*(n+1,n) a_g
+constexpr void carry_inertia(const ArmLink<H>& link, const Pass<H>& x, const Psi<H>& psi,
+                             Inertia<typename H::Scalar>& P) {
+  P = psi * P * link.phi.T();  // (37): psi P psi* + K J K*
+  if (!faulty(Fault::armature_without_gain) && !faulty(Fault::articulated_armature)) return;
+  const auto K = link.phi * x.G;                                // (32)
+  P = P - K * link.J * K.T();                                   // as printed
+  if (faulty(Fault::articulated_armature)) P = P - K * link.J * K.T();
 }
 
-inline bool carries_ground(int k, int n) { return k == n || faulty(Fault::ground_in_every_link); }
+/// a(k), to which the innermost link adds what the base does.
+template <class H>
+constexpr Vec<Motion, typename H::Scalar> bias_with_ground(const BasicArm<H>& arm, const Passes<H>& moved, int k,
+                                                           const Ground<typename H::Scalar>& ground) {
+  if (k != arm.n() && !faulty(Fault::ground_in_every_link)) return moved[k].a;
+  return moved[k].a + arm[k].phi.T() * ground.A;  // section 4.3: a(n) + phi*(n+1,n) a_g
+}
+
+/// z: what comes from link k-1, becomes what link k+1 feels of z(k). P: P(k). abar: bias_with_ground.
+template <class H, class See>
+constexpr void bias_step(const Inertia<typename H::Scalar>& P, const Psi<H>& psi,
+                         const Vec<Motion, typename H::Scalar>& abar, const Vec<Force, typename H::Scalar>& b,
+                         Pass<H>& x, Vec<Force, typename H::Scalar>& z, const See& see_z) {
+  const auto& [phi, G, Hk] = psi;
+  z = z + seeded(Fault::bias_inertia, P * abar) + seeded(Fault::articulated_force, b);  // (66)
+  see_z(z);
+  x.Hz = Hk * z;
+  const auto T0 = seeded(Fault::known_torque, x.T0);
+  if (faulty(Fault::psi_order))
+    z = psi * z + phi * (x.G * T0);
+  else
+    z = phi * (z - G * (x.Hz - T0));  // (66): psi z + K T0
+}
 
 /// Omega(k), eta(k) from the next link inward.
-template <class H>
-void compliance_step(const H& Hk, const Pass<H>& in, Pass<H>& x) {
-  const auto& psi = x.psi;
-  x.Omega = psi.T() * in.Omega * psi + seeded(Fault::compliance_joint, Hk.T() * inverse(x.D) * Hk);  // (58)
-  x.eta = psi.T() * in.eta + seeded(Fault::compliance_bias, x.xi);                                   // (67)
+template <class H, class See>
+constexpr void compliance_step(const BasicArm<H>& arm, const H& Hk, const Passes<H>& x, int k,
+                               const Ground<typename H::Scalar>& ground, Compliance<typename H::Scalar>& Omega,
+                               Vec<Motion, typename H::Scalar>& eta, const See& see) {
+  const auto psi = psi_of(arm, Hk, x, k);
+  const auto abar = bias_with_ground(arm, x, k, ground);
+  const auto xi = Hk.T() * x[k].D_inverse * (seeded(Fault::innovation, x[k].Hz) - x[k].T0) -
+                  seeded(Fault::innovation_bias, abar);                                                     // (66)
+  Omega = psi.T() * Omega * psi + seeded(Fault::compliance_joint, Hk.T() * x[k].D_inverse * Hk);  // (58)
+  eta = psi.T() * eta + seeded(Fault::compliance_bias, xi);                                      // (67)
+  see(k, Omega, eta, xi);
 }
-/// a_g: in the axes of x.
-template <class H>
-void compliance_at_tip(const ArmLink<H>& tip, const Pass<H>& in, const Vec<Motion, typename H::Scalar>& a_g,
-                       Pass<H>& x) {
-  const auto& phi = tip.phi;           // phi(1,0)
-  x.Omega = phi.T() * in.Omega * phi;  // (60)
-  x.eta = phi.T() * in.eta - seeded(Fault::tip_right_side, x.a) +
-          seeded(Fault::tip_gravity, a_g);  // (68), corrected
-  if (faulty(Fault::printed_4_3)) x.eta = x.eta - a_g;
-}
-
-/// f(k), T(k) from the next link outward. phi_out: phi(k,k-1).
-template <class H>
-void torque_step(const ArmLink<H>& link, const typename H::Shift& phi_out, const Pass<H>& out, Pass<H>& x) {
-  const auto& phi = faulty(Fault::torque_next_shift) ? link.phi : phi_out;
-  x.f = phi * seeded(Fault::torque_shift, out.f);  // (39)
-  x.T = link.hinge * x.f;                          // (39)
-}
-
-/// Sweep 1, base -> tip: velocities and the biases that depend on them.
-template <class H, class Rates>
-void sweep_velocities(const BasicArm<H>& arm, const Rates& thd, const Ground<typename H::Scalar>& ground,
-                      Passes<H>& x) {
-  ++x.sweeps;
-  x.tip = arm.base;
-  x[arm.n() + 1].V = ground.V;
-  for (int k = arm.n(); k >= 1; --k) {
-    velocity_step(arm[k], x[k + 1], thd[k], x[k]);
-    x.tip = x.tip * arm[k].phi;
-  }
-  velocity_at_tip(arm[0], x[1], x[0]);
-  x.tip = x.tip * arm[0].phi;
-}
-
-/// Start of sweep 2. F_ext: external wrench on the tip, about the tip point.
-template <class H>
-void begin_articulation(const BasicArm<H>& arm, const Vec<Force, typename H::Scalar>& F_ext, Pass<H>& tip) {
-  tip.P = {};
-  tip.K = {};
-  tip.psi = {arm[0].phi, {}, {}};  // psi(1,0) = phi(1,0)
-  tip.z = seeded(Fault::tip_wrench, -F_ext);
-  tip.T0 = {};
-}
-
-/// Sweep 2, tip -> base: articulated inertia, and the bias carried through it. Reads x[k].T0.
-template <class H>
-void sweep_articulated(const BasicArm<H>& arm, const Ground<typename H::Scalar>& ground,
-                       const Vec<Force, typename H::Scalar>& F_ext, Passes<H>& x) {
-  ++x.sweeps;
-  const int n = arm.n();
-  begin_articulation(arm, F_ext, x[0]);
-  for (int k = 1; k <= n; ++k) {
-    articulate(arm[k], arm[k - 1].J, x[k - 1], x[k]);  // (37)
-    bias_step(arm[k].hinge, x[k - 1], carries_ground(k, n) ? with_ground(x[k].a, arm[k], ground) : x[k].a,
-              x[k]);  // (66)
-  }
-}
-
-/// Sweep 3, base -> tip: Omega(0), and the right side of Omega(0) (c + g) = x[0].eta (c alone when a_g = 0).
 /// a_g: in the axes of the tip.
 template <class H>
-void sweep_compliance(const BasicArm<H>& arm, const Vec<Motion, typename H::Scalar>& a_g, Passes<H>& x) {
-  ++x.sweeps;
-  const int n = arm.n();
-  x[n + 1].Omega = {};
-  x[n + 1].eta = {};
-  for (int k = n; k >= 1; --k) compliance_step(arm[k].hinge, x[k + 1], x[k]);  // (58), (67)
-  compliance_at_tip(arm[0], x[1], a_g, x[0]);                                  // (60), (68)
+constexpr void compliance_at_tip(const ArmLink<H>& tip, const Vec<Motion, typename H::Scalar>& a_g,
+                                 const Compliance<typename H::Scalar>& Omega,
+                                 const Vec<Motion, typename H::Scalar>& eta, Passes<H>& x) {
+  const auto& phi = tip.phi;             // phi(1,0)
+  x.Omega0 = phi.T() * Omega * phi;  // (60)
+  x.eta0 = phi.T() * eta - seeded(Fault::tip_right_side, x.a0) +
+           seeded(Fault::tip_gravity, a_g);  // (68), corrected
+  if (faulty(Fault::printed_4_3)) x.eta0 = x.eta0 - a_g;
 }
 
-/// Base -> tip: the right side of Omega(0) g = x[0].eta_g, from psi alone. x[k].alpha is the alpha of (73).
+/// T(k). f: f(k-1), becomes f(k).
 template <class H>
-void sweep_gravity(const BasicArm<H>& arm, const Vec<Motion, typename H::Scalar>& a_g, Passes<H>& x) {
+constexpr void torque_step(const BasicArm<H>& arm, const H& Hk, int k, Vec<Force, typename H::Scalar>& f, Pass<H>& x) {
+  const auto& phi = arm[faulty(Fault::torque_next_shift) ? k : k - 1].phi;
+  f = phi * seeded(Fault::torque_shift, f);  // (39)
+  x.T = Hk * f;                              // (39)
+}
+
+/// Sweep 1, base -> tip: velocities and the biases that depend on them. see(k, V(k)).
+template <class H, class Rates, class See = Unseen>
+void sweep_velocities(const BasicArm<H>& arm, const Rates& thd, const Ground<typename H::Scalar>& ground,
+                      Passes<H>& x, const See& see = {}) {
   ++x.sweeps;
-  const int n = arm.n();
-  x[n + 1].alpha = a_g;                                // (73)
-  x[n + 1].eta_g = seeded(Fault::gravity_start, a_g);  // (73)
-  for (int k = n; k >= 1; --k) {
-    const auto& psi = x[k].psi;
-    x[k].alpha = arm[k].phi.T() * x[k + 1].alpha;  // (73)
-    x[k].eta_g = psi.T() * x[k + 1].eta_g;         // (73)
+  if constexpr (in_link_frames<H>) x.tip = arm.base;
+  auto V = ground.V;
+  for (int k = arm.n(); k >= 1; --k) {
+    with_known_kind(arm[k].hinge, [&](const H& Hk) { velocity_step(arm[k], Hk, thd[k], V, x[k]); });
+    see(k, V);
+    if constexpr (in_link_frames<H>) x.tip = x.tip * arm[k].phi;
   }
-  x[0].eta_g = arm[0].phi.T() * x[1].alpha - seeded(Fault::gravity_tip, arm[0].phi.T() * x[1].eta_g);  // (74)
+  velocity_at_tip(arm[0], V, x);
+  if constexpr (in_link_frames<H>) x.tip = x.tip * arm[0].phi;
+}
+
+/// Sweep 2, tip -> base: articulated inertia, and the bias carried through it. Reads x[k].T0. F_ext: external wrench
+/// on the tip, about the tip point. moved: where sweep 1 has left a and b, x itself as a rule. see(k, P(k), z(k)).
+template <class H, class See = Unseen>
+void sweep_articulated(const BasicArm<H>& arm, const Passes<H>& moved, const Ground<typename H::Scalar>& ground,
+                       const Vec<Force, typename H::Scalar>& F_ext, Passes<H>& x, const See& see = {}) {
+  ++x.sweeps;
+  Inertia<typename H::Scalar> P;
+  auto z = arm[0].phi * seeded(Fault::tip_wrench, -F_ext);  // z(0) = -F_ext
+  for (int k = 1; k <= arm.n(); ++k)
+    with_known_kind(arm[k].hinge, [&](const H& Hk) {
+      articulate(arm[k], Hk, P, x[k]);  // (37), (30), (31)
+      const auto psi = psi_of(arm, Hk, x, k);
+      bias_step(P, psi, bias_with_ground(arm, moved, k, ground), moved[k].b, x[k], z,
+                [&](const auto& at_k) { see(k, P, at_k); });  // (66)
+      carry_inertia(arm[k], x[k], psi, P);                    // (37)
+    });
+}
+
+/// Sweep 3, base -> tip: Omega(0), and the right side of Omega(0) (c + g) = eta0 (c alone when a_g = 0 and the base
+/// does not accelerate). a_g: in the axes of the tip. see(k, Omega(k), eta(k), xi(k)).
+template <class H, class See = Unseen>
+void sweep_compliance(const BasicArm<H>& arm, const Ground<typename H::Scalar>& ground,
+                      const Vec<Motion, typename H::Scalar>& a_g, Passes<H>& x, const See& see = {}) {
+  ++x.sweeps;
+  Compliance<typename H::Scalar> Omega;
+  Vec<Motion, typename H::Scalar> eta;
+  for (int k = arm.n(); k >= 1; --k)
+    with_known_kind(arm[k].hinge, [&](const H& Hk) {
+      compliance_step(arm, Hk, x, k, ground, Omega, eta, see);  // (58), (67)
+    });
+  compliance_at_tip(arm[0], a_g, Omega, eta, x);  // (60), (68)
+}
+
+/// Base -> tip: the right side of Omega(0) g = eta_g0, from psi alone. see(k, eta(k)), the eta of (73).
+template <class H, class See = Unseen>
+void sweep_gravity(const BasicArm<H>& arm, const Vec<Motion, typename H::Scalar>& a_g, Passes<H>& x,
+                   const See& see = {}) {
+  ++x.sweeps;
+  auto alpha = a_g;                             // (73)
+  auto eta = seeded(Fault::gravity_start, a_g);  // (73)
+  for (int k = arm.n(); k >= 1; --k) {
+    alpha = arm[k].phi.T() * alpha;          // (73)
+    eta = psi_of(arm, arm[k].hinge, x, k).T() * eta;  // (73)
+    see(k, eta);
+  }
+  x.eta_g0 = arm[0].phi.T() * alpha - seeded(Fault::gravity_tip, arm[0].phi.T() * eta);  // (74)
 }
 
 /// Sweep 4, tip -> base: the tip force F_c becomes joint torques x[k].T = (J* F_c)(k).
 template <class H>
 void sweep_torques(const BasicArm<H>& arm, const Vec<Force, typename H::Scalar>& F_c, Passes<H>& x) {
   ++x.sweeps;
-  x[0].f = F_c;
-  for (int k = 1; k <= arm.n(); ++k) torque_step(arm[k], arm[k - 1].phi, x[k - 1], x[k]);  // (39)
+  auto f = F_c;
+  for (int k = 1; k <= arm.n(); ++k)
+    with_known_kind(arm[k].hinge, [&](const H& Hk) { torque_step(arm, Hk, k, f, x[k]); });  // (39)
 }
 
 /// Sweeps 2 and 4 in one, tip -> base: x[k].T from a tip force F_c that is known already.
@@ -235,16 +267,9 @@ template <class H>
 void sweep_articulated_and_torques(const BasicArm<H>& arm, const Ground<typename H::Scalar>& ground,
                                    const Vec<Force, typename H::Scalar>& F_ext,
                                    const Vec<Force, typename H::Scalar>& F_c, Passes<H>& x) {
-  ++x.sweeps;
-  const int n = arm.n();
-  begin_articulation(arm, F_ext, x[0]);
-  x[0].f = F_c;
-  for (int k = 1; k <= n; ++k) {
-    articulate(arm[k], arm[k - 1].J, x[k - 1], x[k]);  // (37)
-    bias_step(arm[k].hinge, x[k - 1], carries_ground(k, n) ? with_ground(x[k].a, arm[k], ground) : x[k].a,
-              x[k]);                                      // (66)
-    torque_step(arm[k], arm[k - 1].phi, x[k - 1], x[k]);  // (39)
-  }
+  auto f = F_c;
+  sweep_articulated(arm, x, ground, F_ext, x,
+                    [&](int k, const auto&...) { torque_step(arm, arm[k].hinge, k, f, x[k]); });  // (39)
 }
 
 /// Sweeps 3 and 1 in one, base -> tip: the biases that sweep 2 has used give way to those of this state. The
@@ -253,40 +278,39 @@ template <class H, class Rates>
 void sweep_compliance_and_velocities(const BasicArm<H>& arm, const Rates& thd,
                                      const Ground<typename H::Scalar>& ground, Passes<H>& x) {
   ++x.sweeps;
-  const int n = arm.n();
-  x.tip = arm.base;
-  x[n + 1].V = ground.V;
-  x[n + 1].Omega = {};
-  x[n + 1].eta = {};
-  for (int k = n; k >= 1; --k) {
-    compliance_step(arm[k].hinge, x[k + 1], x[k]);  // (58), (67)
-    velocity_step(arm[k], x[k + 1], thd[k], x[k]);  // (41), (47), (48)
-    x.tip = x.tip * arm[k].phi;
+  if constexpr (in_link_frames<H>) x.tip = arm.base;
+  auto V = ground.V;
+  Compliance<typename H::Scalar> Omega;
+  Vec<Motion, typename H::Scalar> eta;
+  for (int k = arm.n(); k >= 1; --k) {
+    compliance_step(arm, arm[k].hinge, x, k, ground, Omega, eta, Unseen());  // (58), (67)
+    velocity_step(arm[k], arm[k].hinge, thd[k], V, x[k]);                    // (41), (47), (48)
+    if constexpr (in_link_frames<H>) x.tip = x.tip * arm[k].phi;
   }
-  x.tip = x.tip * arm[0].phi;
-  compliance_at_tip(arm[0], x[1], seen_from(x.tip, ground.a_g), x[0]);  // (60), (68)
-  velocity_at_tip(arm[0], x[1], x[0]);
+  if constexpr (in_link_frames<H>) x.tip = x.tip * arm[0].phi;
+  compliance_at_tip(arm[0], seen_from(x.tip, ground.a_g), Omega, eta, x);  // (60), (68)
+  velocity_at_tip(arm[0], V, x);
 }
 
 /// After sweeps 1 and 2 (the latter with a ground at rest and the applied torques as T0), base -> tip: joint
-/// accelerations x[k].thdd and the tip's acceleration x[0].alpha. This is M^-1 = (1 - H psi K)* D^-1 (1 - H
-/// psi K) (51), row by row, O(n). The accelerations x[k].alpha contain a_g; x[0].alpha is the true one.
+/// accelerations x[k].thdd and the tip's acceleration alpha0. This is M^-1 = (1 - H psi K)* D^-1 (1 - H
+/// psi K) (51), row by row, O(n). alpha(k) contains a_g; alpha0 is the true one. moved: as for sweep 2.
 template <class H>
-void sweep_accelerations(const BasicArm<H>& arm, const Ground<typename H::Scalar>& ground, Passes<H>& x) {
+void sweep_accelerations(const BasicArm<H>& arm, const Passes<H>& moved, const Ground<typename H::Scalar>& ground,
+                         Passes<H>& x) {
   static_assert(!in_link_frames<H>, "the tip's acceleration is wanted in the inertial frame");
   ++x.sweeps;
-  const int n = arm.n();
-  x[n + 1].alpha = ground.A;
-  for (int k = n; k >= 1; --k) {
-    const auto& [phi, Hk, M, J] = arm[k];
-    auto& [V, a, b, P, D, G, K, psi, z, xi, eta, eta_g, Omega, f, T0, T, alpha, thdd] = x[k];
-    const auto carried_on = phi.T() * x[k + 1].alpha;
-    const auto innovation =
-        inverse(D) * (T0 - seeded(Fault::plant_innovation, Hk * z));            // (51): D^-1 (1 - H psi K)
-    thdd = innovation - seeded(Fault::plant_acceleration, G.T() * carried_on);  // (51): (1 - H psi K)*
-    alpha = carried_on + Hk.T() * seeded(Fault::plant_joint, thdd) + seeded(Fault::plant_bias, a);
-  }
-  x[0].alpha = arm[0].phi.T() * x[1].alpha + seeded(Fault::plant_tip_bias, x[0].a) - ground.a_g;  // (8)
+  auto alpha = ground.A;
+  for (int k = arm.n(); k >= 1; --k)
+    with_known_kind(arm[k].hinge, [&](const H& Hk) {
+      auto& [own_a, own_b, G, D, D_inverse, Hz, T0, T, thdd] = x[k];
+      alpha = arm[k].phi.T() * alpha;
+      const auto innovation =
+          D_inverse * (T0 - seeded(Fault::plant_innovation, Hz));            // (51): D^-1 (1 - H psi K)
+      thdd = innovation - seeded(Fault::plant_acceleration, G.T() * alpha);  // (51): (1 - H psi K)*
+      alpha = alpha + Hk.T() * seeded(Fault::plant_joint, thdd) + seeded(Fault::plant_bias, moved[k].a);
+    });
+  x.alpha0 = arm[0].phi.T() * alpha + seeded(Fault::plant_tip_bias, moved.a0) - ground.a_g;  // (8)
 }
 
 }  // namespace osculate

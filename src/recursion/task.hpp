@@ -31,16 +31,12 @@ constexpr const S& component(const Vec3<S>& v, int i) {
 
 /// Entry (i, j) of a symmetric map.
 template <class To, Field S>
-constexpr const S& component(const Symmetric<To, S>& a, int i, int j) {
-  const auto sym = [](const Sym3<S>& s, int r, int c) -> const S& {
-    if (r > c) std::swap(r, c);
-    return r == 0 ? (c == 0 ? s.xx : c == 1 ? s.xy : s.xz) : r == 1 ? (c == 1 ? s.yy : s.yz) : s.zz;
-  };
+constexpr S component(const Symmetric<To, S>& a, int i, int j) {
   const auto row = [](const Mat3<S>& m, int r) -> const Vec3<S>& {
     return r == 0 ? m.x : r == 1 ? m.y : m.z;
   };
-  if (i < 3 && j < 3) return sym(a.J, i, j);
-  if (i >= 3 && j >= 3) return sym(a.A, i - 3, j - 3);
+  if (i < 3 && j < 3) return entry(a.J, i, j);
+  if (i >= 3 && j >= 3) return entry(a.A, i - 3, j - 3);
   return i < 3 ? component(row(a.B, i), j - 3) : component(row(a.B, j), i - 3);
 }
 
@@ -50,6 +46,7 @@ using TaskVector = std::array<S, 6>;
 
 template <Field S>
 TaskVector<S> restricted(const Vec<Motion, S>& v, const TaskRows& rows) {
+  if (rows.size() == 6) return {v.ang.x, v.ang.y, v.ang.z, v.lin.x, v.lin.y, v.lin.z};
   TaskVector<S> out{};
   for (std::size_t i = 0; i < rows.size(); ++i) out[i] = component(v, rows[i]);
   return out;
@@ -58,6 +55,7 @@ TaskVector<S> restricted(const Vec<Motion, S>& v, const TaskRows& rows) {
 /// S^T F: the wrench with the given components on the task rows and none elsewhere.
 template <Field S>
 Vec<Force, S> wrench(const TaskVector<S>& F, const TaskRows& rows) {
+  if (rows.size() == 6) return {{F[0], F[1], F[2]}, {F[3], F[4], F[5]}};
   Vec<Force, S> f;
   for (std::size_t i = 0; i < rows.size(); ++i) component(f, rows[i]) = F[i];
   return f;
@@ -70,12 +68,10 @@ template <Field S>
 class TaskFactor {
  public:
   TaskFactor(const Compliance<S>& Omega, const TaskRows& rows) : m_(static_cast<int>(rows.size())) {
-    const Square all = entries(Omega);
-    Square A{};  // rows from m_ on: those of the unit matrix, so that every loop below has a fixed length
-    for (std::size_t i = 0; i < 6; ++i) A[i][i] = S(1);
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      for (std::size_t j = 0; j <= i; ++j) A[i][j] = all[rows[i]][rows[j]];
-    factor(A);
+    if (m_ == 6)
+      factor(entries(Omega));
+    else
+      factor(chosen(entries(Omega), rows));
   }
 
   int size() const { return m_; }
@@ -90,7 +86,8 @@ class TaskFactor {
 #pragma GCC unroll 6
       for (int p = 0; p < i; ++p) y[i] = y[i] - L_[i][p] * y[p];
 #pragma GCC unroll 6
-    for (int i = 0; i < 6; ++i) y[i] = y[i] / pivots_[i];
+    for (int i = 0; i < 5; ++i) y[i] = y[i] * inverse_pivots_[i];
+    y[5] = y[5] / pivots_[5];
 #pragma GCC unroll 6
     for (int i = 5; i >= 0; --i)
 #pragma GCC unroll 6
@@ -102,13 +99,21 @@ class TaskFactor {
   using Square = std::array<TaskVector<S>, 6>;
 
   static Square entries(const Compliance<S>& Omega) {
-    const auto& [J, B, A] = Omega;
-    return {{{J.xx, J.xy, J.xz, B.x.x, B.x.y, B.x.z},
-             {J.xy, J.yy, J.yz, B.y.x, B.y.y, B.y.z},
-             {J.xz, J.yz, J.zz, B.z.x, B.z.y, B.z.z},
-             {B.x.x, B.y.x, B.z.x, A.xx, A.xy, A.xz},
-             {B.x.y, B.y.y, B.z.y, A.xy, A.yy, A.yz},
-             {B.x.z, B.y.z, B.z.z, A.xz, A.yz, A.zz}}};
+    Square out;
+#pragma GCC unroll 6
+    for (int i = 0; i < 6; ++i)
+#pragma GCC unroll 6
+      for (int j = 0; j < 6; ++j) out[i][j] = component(Omega, i, j);
+    return out;
+  }
+
+  /// The given rows and columns, then those of the unit matrix, so that every loop below has a fixed length.
+  static Square chosen(const Square& all, const TaskRows& rows) {
+    Square A{};
+    for (std::size_t i = 0; i < 6; ++i) A[i][i] = S(1);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t j = 0; j <= i; ++j) A[i][j] = all[rows[i]][rows[j]];
+    return A;
   }
 
   void factor(const Square& A) {
@@ -123,15 +128,16 @@ class TaskFactor {
         scaled[j][i] = t;
       }
       pivots_[j] = scaled[j][j];
+      if (j == 5) break;  // the last pivot divides nothing here: it may be zero
+      inverse_pivots_[j] = S(1) / pivots_[j];
 #pragma GCC unroll 6
-      for (int i = j + 1; i < m_; ++i)
-        L_[i][j] = scaled[j][i] / pivots_[j];  // the last pivot divides nothing
+      for (int i = j + 1; i < 6; ++i) L_[i][j] = scaled[j][i] * inverse_pivots_[j];
     }
   }
 
   int m_;
-  Square L_{};  // unit lower triangular: the strictly lower part
-  TaskVector<S> pivots_{};
+  Square L_;  // unit lower triangular: the strictly lower part
+  TaskVector<S> pivots_, inverse_pivots_;
 };
 
 }  // namespace osculate

@@ -12,6 +12,8 @@ enum class HingeKind { revolute, prismatic };
 template <Field S>
 struct HingeInertia;
 template <Field S>
+struct HingeMobility;
+template <Field S>
 struct HingeGain;
 
 /// H(k): the row of a one-axis joint. H* = (h;0) revolute, (0;h) prismatic. The products below use that one
@@ -22,6 +24,7 @@ struct Hinge {
   using Shift = Phi;
   using Coordinate = S;  // joint rate, acceleration or torque: one number
   using JointInertia = HingeInertia<S>;
+  using JointMobility = HingeMobility<S>;
   using Gain = HingeGain<S>;
   HingeKind kind = HingeKind::revolute;
   Vec3<S> h;  // unit vector along the axis
@@ -36,6 +39,15 @@ template <Field S>
 constexpr Hinge<S> prismatic(const Vec3<S>& h) {
   return {HingeKind::prismatic, h};
 }
+/// work(H) with a copy of the hinge whose kind the compiler knows, so that its zero half costs nothing.
+template <Field S, ShiftMap Phi, class Work>
+constexpr void with_known_kind(const Hinge<S, Phi>& H, const Work& work) {
+  if (H.turns())
+    work(Hinge<S, Phi>{HingeKind::revolute, H.h});
+  else
+    work(Hinge<S, Phi>{HingeKind::prismatic, H.h});
+}
+
 template <Field S, ShiftMap Phi>
 constexpr S operator*(const Hinge<S, Phi>& H, const Vec<Force, S>& f) {
   return dot(H.h, H.turns() ? f.ang : f.lin);
@@ -103,19 +115,19 @@ constexpr HingeInertia<S> operator*(const HingeTimesInertia<S, Phi>& HP, const S
   return {dot(HP.H.h, (HP.H.turns() ? HP.P.J : HP.P.A) * H.map.h)};
 }
 
-/// G(k), K(k+1,k): Force <- Torque (31), (32).
+/// G(k), K(k+1,k): Force <- Torque (31), (32). G keeps the column P H* that it comes from.
 template <Field S>
 struct HingeGain {
-  Vec<Force, S> column;
+  Vec<Force, S> column, PH;
   constexpr Star<HingeGain> T() const { return {*this}; }
 };
 template <Field S>
 constexpr HingeGain<S> operator*(const InertiaTimesHinge<S>& PH, const HingeMobility<S>& Dinv) {
-  return {PH.column * Dinv.d};
+  return {PH.column * Dinv.d, PH.column};
 }
 template <ShiftMap Phi, Field S>
 constexpr HingeGain<S> operator*(const Phi& phi, const HingeGain<S>& G) {
-  return {phi * G.column};
+  return {phi * G.column, {}};
 }
 template <Field S>
 constexpr Vec<Force, S> operator*(const HingeGain<S>& G, const S& torque) {
@@ -156,27 +168,24 @@ constexpr Vec<Motion, S> operator*(const HingeCompliance<S, Phi>& HD, const S& t
 }
 template <Field S, ShiftMap Phi>
 constexpr Compliance<S> operator*(const HingeCompliance<S, Phi>& HD, const Hinge<S, Phi>& H) {
-  const Sym3<S> block = square(H.h) * HD.Dinv.d, none;
+  const Sym3<S> block = symmetric_outer(H.h, H.h * HD.Dinv.d), none;
   return H.turns() ? Compliance<S>{block, {}, none} : Compliance<S>{none, {}, block};
 }
 
-/// (1 - G H) P (1 - G H)* = P - G (HP) - r G*, with r = P H* - G (H P H*): the product as printed in (37), in
-/// symmetric form.
+/// (1 - G H) P for G = P H* D^-1 with any D: P - G (H P), symmetric.
 template <Field S, ShiftMap Phi>
-constexpr Inertia<S> stripped(const Inertia<S>& P, const HingeGain<S>& G, const Hinge<S, Phi>& H) {
-  const Vec<Force, S> PH = (P * H.T()).column;
-  const Vec<Force, S> r = PH - G.column * (H * PH);
-  const S half = S(1) / S(2);
-  return less_twice_outer(P, G.column, seeded(Fault::strip_inertia, (PH + r) * half));
+constexpr Inertia<S> stripped(const Inertia<S>& P, const HingeGain<S>& G, const Hinge<S, Phi>&) {
+  return less_outer(P, G.column, seeded(Fault::strip_inertia, G.PH));
 }
 /// (1 - G H)* X (1 - G H) = X - H* y* - y H + (G* y) H* H, with y = X G.
 template <Field S, ShiftMap Phi>
 constexpr Compliance<S> stripped(const Compliance<S>& X, const HingeGain<S>& G, const Hinge<S, Phi>& H) {
   const Vec<Motion, S> y = X * G.column;
-  const S half = S(1) / S(2);
-  const Vec<Motion, S> r = seeded(Fault::strip_compliance, y - H.T() * (dot(G.column, y) * half));
-  if (H.turns()) return {less_twice_outer(X.J, H.h, r.ang), X.B - outer(H.h, r.lin), X.A};
-  return {X.J, X.B - outer(r.ang, H.h), less_twice_outer(X.A, H.h, r.lin)};
+  const Vec<Motion, S> r = seeded(Fault::strip_compliance, y);
+  const Vec<Motion, S> t = seeded(Fault::strip_compliance, y - H.T() * dot(G.column, y));
+  if (H.turns())
+    return {X.J - symmetric_outer(H.h, r.ang) - symmetric_outer(t.ang, H.h), X.B - outer(H.h, r.lin), X.A};
+  return {X.J, X.B - outer(r.ang, H.h), X.A - symmetric_outer(H.h, r.lin) - symmetric_outer(t.lin, H.h)};
 }
 
 }  // namespace osculate

@@ -133,10 +133,10 @@ constexpr Symmetric<Space, S> weighted_square(const Columns<Space, S>& A, const 
   return twice_outer(A, AD);
 }
 
-/// G(k), K(k+1,k): Force <- Torque.
+/// G(k), K(k+1,k): Force <- Torque. G keeps the columns P H* that it comes from.
 template <Field S>
 struct JointGain {
-  Columns<Force, S> columns;
+  Columns<Force, S> columns, PH;
   constexpr Star<JointGain> T() const { return {*this}; }
 };
 
@@ -147,11 +147,17 @@ struct Joint {
   using Shift = Phi;
   using Coordinate = JointVector<S>;
   using JointInertia = osculate::JointInertia<S>;
+  using JointMobility = osculate::JointInertia<S>;
   using Gain = JointGain<S>;
   Columns<Motion, S> axes;   // H*
   bool second_turns = false; /* universal joint: the second axis turns with the first */
   constexpr Star<Joint> T() const { return {*this}; }
 };
+/// Nothing to know beforehand.
+template <Field S, ShiftMap Phi, class Work>
+constexpr void with_known_kind(const Joint<S, Phi>& H, const Work& work) {
+  work(H);
+}
 template <Field S, ShiftMap Phi>
 constexpr Vec<Motion, S> operator*(const Star<Joint<S, Phi>>& H, const JointVector<S>& rate) {
   return H.map.axes * rate;
@@ -205,11 +211,11 @@ constexpr JointInertia<S> operator*(const JointTimesInertia<S, Phi>& HP, const S
 }
 template <Field S>
 constexpr JointGain<S> operator*(const InertiaTimesJoint<S>& PH, const JointInertia<S>& Dinv) {
-  return {PH.columns * Dinv};
+  return {PH.columns * Dinv, PH.columns};
 }
 template <ShiftMap Phi, Field S>
 constexpr JointGain<S> operator*(const Phi& phi, const JointGain<S>& G) {
-  JointGain<S> out{{G.columns.m, {}}};
+  JointGain<S> out{{G.columns.m, {}}, {}};
   for (int i = 0; i < G.columns.m; ++i) out.columns[i] = phi * G.columns[i];
   return out;
 }
@@ -255,12 +261,12 @@ constexpr Compliance<S> operator*(const JointCompliance<S, Phi>& HD, const Joint
   return weighted_square(H.axes, HD.Dinv);
 }
 
-/// (1 - G H) P (1 - G H)* = P - G (HP) - (HP)* G* + G (H P H*) G*.
+/// (1 - G H) P for G = P H* D^-1 with any D: P - G (H P), symmetric as a whole.
 template <Field S, ShiftMap Phi>
-constexpr Inertia<S> stripped(const Inertia<S>& P, const JointGain<S>& G, const Joint<S, Phi>& H) {
-  const Columns<Force, S> PH = (P * H.T()).columns;
-  return P - seeded(Fault::joint_strip_inertia, twice_outer(G.columns, PH)) +
-         weighted_square(G.columns, H * P * H.T());
+constexpr Inertia<S> stripped(Inertia<S> P, const JointGain<S>& G, const Joint<S, Phi>&) {
+  for (int i = 0; i < G.columns.m; ++i)
+    P = less_outer(P, G.columns[i], seeded(Fault::joint_strip_inertia, G.PH[i]));
+  return P;
 }
 /// (1 - G H)* X (1 - G H) = X - H* (G* X) - (X G) H + H* (G* X G) H.
 template <Field S, ShiftMap Phi>

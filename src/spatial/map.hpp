@@ -43,7 +43,7 @@ constexpr Vec<Space, S> operator*(const Vec<Space, S>& a, const S& s) {
 /// Pairing of a force with a motion: power.
 template <class Space, Field S>
 constexpr S dot(const Vec<Space, S>& a, const Vec<typename Space::Dual, S>& b) {
-  return dot(a.ang, b.ang) + dot(a.lin, b.lin);
+  return dot(a.ang, b.ang, a.lin, b.lin);
 }
 
 /// A* of a structured map A: refers to A, computes nothing. Use it in the expression that makes it.
@@ -129,45 +129,40 @@ constexpr Symmetric<To, S> operator-(const Symmetric<To, S>& a) {
 }
 template <class To, Field S>
 constexpr Vec<To, S> operator*(const Symmetric<To, S>& a, const Vec<typename To::Dual, S>& b) {
-  return {a.J * b.ang + a.B * b.lin, transposed_times(a.B, b.ang) + a.A * b.lin};
+  return {product_sum(a.J, b.ang, a.B, b.lin), transposed_product_sum(a.A, b.lin, a.B, b.ang)};
 }
 /// a b^T + b a^T
 template <class To, Field S>
 constexpr Symmetric<To, S> twice_outer(const Vec<To, S>& a, const Vec<To, S>& b) {
   return {twice_outer(a.ang, b.ang), outer(a.ang, b.lin) + outer(b.ang, a.lin), twice_outer(a.lin, b.lin)};
 }
-/// P - (a b^T + b a^T), entry by entry: keeps 21 numbers alive, not 42.
+/// P - a b^T where that is symmetric by construction
 template <class To, Field S>
-constexpr Symmetric<To, S> less_twice_outer(const Symmetric<To, S>& P, const Vec<To, S>& a,
-                                            const Vec<To, S>& b) {
-  const auto row = [&](const Vec3<S>& r, const S& s, const S& t) {
-    return Vec3<S>{r.x - (s * b.lin.x + t * a.lin.x), r.y - (s * b.lin.y + t * a.lin.y),
-                   r.z - (s * b.lin.z + t * a.lin.z)};
-  };
-  return {less_twice_outer(P.J, a.ang, b.ang),
-          {row(P.B.x, a.ang.x, b.ang.x), row(P.B.y, a.ang.y, b.ang.y), row(P.B.z, a.ang.z, b.ang.z)},
-          less_twice_outer(P.A, a.lin, b.lin)};
+constexpr Symmetric<To, S> less_outer(const Symmetric<To, S>& P, const Vec<To, S>& a, const Vec<To, S>& b) {
+  return {P.J - symmetric_outer(a.ang, b.ang), P.B - outer(a.ang, b.lin),
+          P.A - symmetric_outer(a.lin, b.lin)};
 }
 /// s a a^T
 template <class To, Field S>
 constexpr Symmetric<To, S> scaled_square(const Vec<To, S>& a, const S& s) {
   const Vec<To, S> b = a * s;
-  return {upper(outer(a.ang, b.ang)), outer(a.ang, b.lin), upper(outer(a.lin, b.lin))};
+  return {symmetric_outer(a.ang, b.ang), outer(a.ang, b.lin), symmetric_outer(a.lin, b.lin)};
 }
 
 /// phi P phi*
 template <Field S>
 constexpr Inertia<S> carried(const Shift<S>& phi, const Inertia<S>& P) {
-  const Mat3<S> B = P.B + cross(phi.l, full(P.A));
-  return {P.J - seeded(Fault::shift_inertia, upper(cross(B, phi.l) + transpose(cross(P.B, phi.l)))), B, P.A};
+  const Mat3<S> B = plus_left_cross(P.B, phi.l, P.A);
+  if (faulty(Fault::shift_inertia)) return {-less_right_cross_sum(-P.J, B, P.B, phi.l), B, P.A};
+  return {less_right_cross_sum(P.J, B, P.B, phi.l), B, P.A};
 }
 /// phi* Omega phi
 template <Field S>
 constexpr Compliance<S> carried(const Star<Shift<S>>& phi, const Compliance<S>& Omega) {
   const Vec3<S>& l = phi.map.l;
-  const Mat3<S> B = Omega.B + cross(full(Omega.J), l);
-  return {Omega.J, B,
-          Omega.A - seeded(Fault::shift_compliance, upper(cross(l, B) + transpose(cross(l, Omega.B))))};
+  const Mat3<S> B = plus_right_cross(Omega.B, Omega.J, l);
+  if (faulty(Fault::shift_compliance)) return {Omega.J, B, -less_left_cross_sum(-Omega.A, B, Omega.B, l)};
+  return {Omega.J, B, less_left_cross_sum(Omega.A, B, Omega.B, l)};
 }
 
 /// The same map in other axes, which R turns the present ones into.
@@ -209,12 +204,7 @@ struct RigidInertia {
 };
 template <Field S>
 constexpr Inertia<S> operator+(const Inertia<S>& P, const RigidInertia<S>& M) {
-  const S& o = M.m;
-  return {P.J + M.I,
-          {{P.B.x.x, P.B.x.y - M.mp.z, P.B.x.z + M.mp.y},
-           {P.B.y.x + M.mp.z, P.B.y.y, P.B.y.z - M.mp.x},
-           {P.B.z.x - M.mp.y, P.B.z.y + M.mp.x, P.B.z.z}},
-          {P.A.xx + o, P.A.xy, P.A.xz, P.A.yy + o, P.A.yz, P.A.zz + o}};
+  return {P.J + M.I, plus_skew(P.B, M.mp), plus_diagonal(P.A, M.m)};
 }
 template <Field S>
 constexpr RigidInertia<S> operator-(const RigidInertia<S>& M) {

@@ -1,6 +1,6 @@
 // psi(k+1,k) (33) for every joint type, kept as its factors. A joint type H brings the member types Scalar,
 // Shift, Coordinate, JointInertia and Gain, the products of H, D, G, K among themselves, and `stripped`:
-//   stripped(P, G, H) = (1 - G H) P (1 - G H)*,   stripped(Omega, G, H) = (1 - G H)* Omega (1 - G H).
+//   stripped(P, G, H) = (1 - G H) P,   stripped(Omega, G, H) = (1 - G H)* Omega (1 - G H).
 #pragma once
 
 #include <concepts>
@@ -42,12 +42,12 @@ constexpr Strip<H> operator-(One, const GainJoint<H>& GH) {
   return {GH.G, GH.joint};
 }
 
-/// psi(k+1,k) = phi(k+1,k) (1 - G(k) H(k)) (33).
+/// psi(k+1,k) = phi(k+1,k) (1 - G(k) H(k)) (33). Refers to its factors.
 template <JointMap J>
 struct Psi {
-  typename J::Shift phi;
-  typename J::Gain G;
-  J H;
+  const typename J::Shift& phi;
+  const typename J::Gain& G;
+  const J& H;
   constexpr Star<Psi> T() const { return {*this}; }
 };
 template <ShiftMap Phi, JointMap H>
@@ -71,7 +71,8 @@ constexpr Vec<Motion, S> operator*(const Star<Psi<J>>& psi, const Vec<Motion, S>
   return moved - H.T() * (G.T() * moved);
 }
 
-/// psi P psi*: psi * P waits for psi.T(). These waiting products refer to their factors.
+/// psi P phi*, symmetric for the G that belongs to P: psi * P waits for phi.T(). Waiting products refer to their
+/// factors.
 template <JointMap H>
 struct PsiInertia {
   const Psi<H>& psi;
@@ -82,10 +83,9 @@ constexpr PsiInertia<H> operator*(const Psi<H>& psi, const Inertia<typename H::S
   return {psi, P};
 }
 template <JointMap J>
-constexpr Inertia<typename J::Scalar> operator*(const PsiInertia<J>& left, const Star<Psi<J>>& right) {
-  const auto& [phi, G, H] = right.map;
-  if (faulty(Fault::composite_inertia)) return carried(phi, left.P);
-  return carried(phi, stripped(left.P, G, H));
+constexpr Inertia<typename J::Scalar> operator*(const PsiInertia<J>& left, const Star<typename J::Shift>& phi) {
+  if (faulty(Fault::composite_inertia)) return carried(phi.map, left.P);
+  return carried(phi.map, stripped(left.P, left.psi.G, left.psi.H));
 }
 
 /// psi* Omega psi: psi.T() * Omega waits for psi.

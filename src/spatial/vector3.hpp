@@ -1,6 +1,8 @@
 // Three-vectors and 3 x 3 matrices over any Field, as plain structs: no heap, no comparison, no expression
-// templates.
+// templates. For doubles vector3_avx.hpp has the same functions on AVX registers, where the build allows it.
 #pragma once
+
+#include <utility>
 
 #include "scalar/fault.hpp"
 #include "scalar/field.hpp"
@@ -41,6 +43,11 @@ constexpr Vec3<S> operator*(const Vec3<S>& a, const S& s) {
 template <Field S>
 constexpr S dot(const Vec3<S>& a, const Vec3<S>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+/// a.b + c.d
+template <Field S>
+constexpr S dot(const Vec3<S>& a, const Vec3<S>& b, const Vec3<S>& c, const Vec3<S>& d) {
+  return dot(a, b) + dot(c, d);
 }
 template <Field S>
 constexpr Vec3<S> cross(const Vec3<S>& a, const Vec3<S>& b) {
@@ -117,22 +124,21 @@ template <Field S>
 constexpr Sym3<S> upper(const Mat3<S>& a) {
   return {a.x.x, a.x.y, a.x.z, a.y.y, a.y.z, a.z.z};
 }
+/// a b^T where that is symmetric by construction
+template <Field S>
+constexpr Sym3<S> symmetric_outer(const Vec3<S>& a, const Vec3<S>& b) {
+  return {a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.y, a.y * b.z, a.z * b.z};
+}
+/// a a^T
+template <Field S>
+constexpr Sym3<S> square(const Vec3<S>& a) {
+  return symmetric_outer(a, a);
+}
 /// a b^T + b a^T
 template <Field S>
 constexpr Sym3<S> twice_outer(const Vec3<S>& a, const Vec3<S>& b) {
   return {a.x * b.x + a.x * b.x, a.x * b.y + a.y * b.x, a.x * b.z + a.z * b.x,
           a.y * b.y + a.y * b.y, a.y * b.z + a.z * b.y, a.z * b.z + a.z * b.z};
-}
-/// M - (a b^T + b a^T), entry by entry
-template <Field S>
-constexpr Sym3<S> less_twice_outer(const Sym3<S>& M, const Vec3<S>& a, const Vec3<S>& b) {
-  return {M.xx - (a.x * b.x + a.x * b.x), M.xy - (a.x * b.y + a.y * b.x), M.xz - (a.x * b.z + a.z * b.x),
-          M.yy - (a.y * b.y + a.y * b.y), M.yz - (a.y * b.z + a.z * b.y), M.zz - (a.z * b.z + a.z * b.z)};
-}
-/// a a^T
-template <Field S>
-constexpr Sym3<S> square(const Vec3<S>& a) {
-  return {a.x * a.x, a.x * a.y, a.x * a.z, a.y * a.y, a.y * a.z, a.z * a.z};
 }
 /// l~ A: the vector product of l with every column.
 template <Field S>
@@ -151,5 +157,115 @@ constexpr Sym3<S> turned(const Mat3<S>& R, const Sym3<S>& a) {
   return seeded(Fault::spatial_turn,
                 Sym3<S>{dot(R.x, p), dot(R.x, q), dot(R.x, r), dot(R.y, q), dot(R.y, r), dot(R.z, r)});
 }
+/// B + m~
+template <Field S>
+constexpr Mat3<S> plus_skew(const Mat3<S>& B, const Vec3<S>& m) {
+  return {{B.x.x, B.x.y - m.z, B.x.z + m.y},
+          {B.y.x + m.z, B.y.y, B.y.z - m.x},
+          {B.z.x - m.y, B.z.y + m.x, B.z.z}};
+}
+/// A + m 1
+template <Field S>
+constexpr Sym3<S> plus_diagonal(const Sym3<S>& A, const S& m) {
+  return {A.xx + m, A.xy, A.xz, A.yy + m, A.yz, A.zz + m};
+}
+/// B + l~ A
+template <Field S>
+constexpr Mat3<S> plus_left_cross(const Mat3<S>& B, const Vec3<S>& l, const Sym3<S>& A) {
+  return B + cross(l, full(A));
+}
+/// B + A l~
+template <Field S>
+constexpr Mat3<S> plus_right_cross(const Mat3<S>& B, const Sym3<S>& A, const Vec3<S>& l) {
+  return B + cross(full(A), l);
+}
+/// A - (C l~ + (B l~)^T) where that is symmetric by construction
+template <Field S>
+constexpr Sym3<S> less_right_cross_sum(const Sym3<S>& A, const Mat3<S>& C, const Mat3<S>& B, const Vec3<S>& l) {
+  return A - upper(cross(C, l) + transpose(cross(B, l)));
+}
+/// A - (l~ C + (l~ B)^T) where that is symmetric by construction
+template <Field S>
+constexpr Sym3<S> less_left_cross_sum(const Sym3<S>& A, const Mat3<S>& C, const Mat3<S>& B, const Vec3<S>& l) {
+  return A - upper(cross(l, C) + transpose(cross(l, B)));
+}
+/// A a + B b
+template <Field S>
+constexpr Vec3<S> product_sum(const Sym3<S>& A, const Vec3<S>& a, const Mat3<S>& B, const Vec3<S>& b) {
+  return A * a + B * b;
+}
+/// A a + B^T b
+template <Field S>
+constexpr Vec3<S> transposed_product_sum(const Sym3<S>& A, const Vec3<S>& a, const Mat3<S>& B, const Vec3<S>& b) {
+  return A * a + transposed_times(B, b);
+}
+/// Entry (i, j) of a symmetric matrix.
+template <Field S>
+constexpr const S& entry(const Sym3<S>& a, int i, int j) {
+  if (i > j) std::swap(i, j);
+  return i == 0 ? (j == 0 ? a.xx : j == 1 ? a.xy : a.xz) : i == 1 ? (j == 1 ? a.yy : a.yz) : a.zz;
+}
+
+/// Three axes as the columns of a rotation: of a link, in the inertial frame.
+template <Field S>
+struct Axes {
+  Vec3<S> x, y, z;
+};
+/// Constants of a body that multiply vectors: components along its axes, and a symmetric matrix along them.
+template <Field S>
+struct Coefficients {
+  S x = S(0), y = S(0), z = S(0);
+  constexpr Coefficients() = default;
+  constexpr Coefficients(const Vec3<S>& v) : x(v.x), y(v.y), z(v.z) {}
+};
+template <Field S>
+struct SymmetricCoefficients {
+  Sym3<S> entries;
+  constexpr SymmetricCoefficients() = default;
+  constexpr SymmetricCoefficients(const Sym3<S>& a) : entries(a) {}
+};
+/// The vector with components v along the axes.
+template <Field S>
+constexpr Vec3<S> operator*(const Axes<S>& e, const Coefficients<S>& v) {
+  return e.x * v.x + e.y * v.y + e.z * v.z;
+}
+template <Field S>
+constexpr Vec3<S> operator*(const Axes<S>& e, const Vec3<S>& v) {
+  return e * Coefficients<S>(v);
+}
+/// The axes of a body that is turned by R against e.
+template <Field S>
+constexpr Axes<S> operator*(const Axes<S>& e, const Axes<S>& R) {
+  return {e * R.x, e * R.y, e * R.z};
+}
+template <Field S>
+constexpr Mat3<S> matrix_of(const Axes<S>& e) {
+  return transpose(Mat3<S>{e.x, e.y, e.z});
+}
+template <Field S>
+constexpr Axes<S> axes_of(const Mat3<S>& R) {
+  const Mat3<S> columns = transpose(R);
+  return {columns.x, columns.y, columns.z};
+}
+/// The axes that e turns into the unit vectors.
+template <Field S>
+constexpr Axes<S> inverse(const Axes<S>& e) {
+  const Mat3<S> R = matrix_of(e);
+  return {R.x, R.y, R.z};
+}
+/// A symmetric matrix given along the axes.
+template <Field S>
+constexpr Sym3<S> turned(const Axes<S>& e, const SymmetricCoefficients<S>& along) {
+  const Sym3<S>& a = along.entries;
+  const Vec3<S> p = e.x * a.xx + e.y * a.xy + e.z * a.xz;
+  const Vec3<S> q = e.x * a.xy + e.y * a.yy + e.z * a.yz;
+  const Vec3<S> r = e.x * a.xz + e.y * a.yz + e.z * a.zz;
+  return seeded(Fault::spatial_turn,
+                symmetric_outer(e.x, p) + symmetric_outer(e.y, q) + symmetric_outer(e.z, r));
+}
 
 }  // namespace osculate
+
+#if defined(__AVX2__) && defined(__FMA__)
+#include "spatial/vector3_avx.hpp"
+#endif
