@@ -10,8 +10,11 @@ namespace {
 
 /// Eigenvalues and axes of A^-1.
 Ellipsoid inverse(const Sym3<double>& A) {
-  const Spectrum s = spectrum({{{A.xx, A.xy, A.xz}, {A.xy, A.yy, A.yz}, {A.xz, A.yz, A.zz}}}, 3);
-  const double floor = immobile * (A.xx + A.yy + A.zz);
+  const Spectrum s = spectrum({{{entry(A, 0, 0), entry(A, 0, 1), entry(A, 0, 2)},
+                                {entry(A, 1, 0), entry(A, 1, 1), entry(A, 1, 2)},
+                                {entry(A, 2, 0), entry(A, 2, 1), entry(A, 2, 2)}}},
+                              3);
+  const double floor = immobile * (entry(A, 0, 0) + entry(A, 1, 1) + entry(A, 2, 2));
   Ellipsoid out;
   for (int i = 0; i < 3; ++i) {
     const auto k = static_cast<std::size_t>(2 - i);  // the most mobile axis has the least mass

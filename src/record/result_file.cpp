@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -10,6 +11,7 @@
 
 #include "record/ending.hpp"
 #include "record/hdf5_create.hpp"
+#include "record/packed_chunk.hpp"
 
 namespace osculate {
 namespace {
@@ -63,15 +65,14 @@ void require_storable(const Column& column, std::span<const double> values) {
   }
 }
 
-/// The rows of one column, contiguous and in the memory type T.
-template <class T>
-std::vector<T> gather(const Track& track, const Column& column) {
-  std::vector<T> block;
-  block.reserve(track.buffered_rows() * column.count);
-  for (std::size_t row = 0; row < track.buffered_rows(); ++row) {
-    const double* const values = track.buffer.data() + row * track.row_size + column.first;
-    for (std::size_t i = 0; i < column.count; ++i) block.push_back(static_cast<T>(values[i]));
-  }
+/// The rows of one column, contiguous, each value as `stored` makes it of a double.
+template <class T, class Stored>
+std::span<const T> gather(const Track& track, const Column& column, std::vector<T>& block,
+                          const Stored& stored) {
+  block.resize(track.buffered_rows() * column.count);
+  const double* values = track.buffer.data() + column.first;
+  for (auto at = block.begin(); at != block.end(); values += track.row_size)
+    for (std::size_t i = 0; i < column.count; ++i) *at++ = stored(values[i]);
   return block;
 }
 
@@ -99,6 +100,9 @@ struct ResultFile::Impl {
   std::map<std::string, Track> tracks;
   FixedAxes fixed;
   std::pair<dev_t, ino_t> id;
+  std::vector<std::uint64_t> words;  // one column of a chunk on its way
+  std::vector<std::int8_t> bytes;
+  ChunkPacker packer;
   enum class State { writing, finished, write_failed } state = State::writing;
 
   Impl(const path& where, const Layout& layout, bool force);
@@ -247,6 +251,19 @@ void ResultFile::Impl::write_column(Track& track, Column& column, hsize_t rows) 
   count[0] = rows;
   extent[0] = track.written_rows + rows;
   check(H5Dset_extent(column.dataset, extent.data()), "extend", column.path);
+  const auto small = [](double x) { return static_cast<std::int8_t>(x); };
+  const auto word = [&column](double x) {
+    return column.kind == Kind::real ? std::bit_cast<std::uint64_t>(x)
+                                     : static_cast<std::uint64_t>(static_cast<std::int64_t>(x));
+  };
+  // A whole chunk goes to the file as it will lie there.
+  if (rows == track.chunk_rows && column.kind != Kind::small && std::endian::native == std::endian::little) {
+    const auto packed = packer.pack(gather(track, column, words, word), column.count);
+    check(H5Dwrite_chunk(column.dataset, H5P_DEFAULT, 0, start.data(), packed.size(), packed.data()), "write",
+          column.path);
+    check(H5Dflush(column.dataset), "write", column.path);
+    return;
+  }
   const Handle target = check(H5Dget_space(column.dataset), H5Sclose, "write", column.path);
   check(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), "write",
         column.path);
@@ -254,9 +271,11 @@ void ResultFile::Impl::write_column(Track& track, Column& column, hsize_t rows) 
   const auto write = [&](hid_t type, const auto& block) {
     check(H5Dwrite(column.dataset, type, source, target, H5P_DEFAULT, block.data()), "write", column.path);
   };
-  if (column.kind == Kind::integer) write(H5T_NATIVE_INT64, gather<std::int64_t>(track, column));
-  if (column.kind == Kind::small) write(H5T_NATIVE_INT8, gather<std::int8_t>(track, column));
-  if (column.kind == Kind::real) write(H5T_NATIVE_DOUBLE, gather<double>(track, column));
+  if (column.kind == Kind::small)
+    write(H5T_NATIVE_INT8, gather(track, column, bytes, small));
+  else
+    write(column.kind == Kind::real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64,
+          gather(track, column, words, word));
   check(H5Dflush(column.dataset), "write", column.path);
 }
 

@@ -4,13 +4,14 @@
 // into a column costs more than computing it twice.
 #pragma once
 
+#include "scalar/lanes.hpp"
+
 namespace osculate {
 
 namespace avx {
 
 using Lanes = double __attribute__((vector_size(32)));
 using Words = long long __attribute__((vector_size(32)));
-#define OSCULATE_INLINE [[gnu::always_inline]] inline
 
 /// Lane i of v in every lane.
 template <int i>

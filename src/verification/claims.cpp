@@ -15,6 +15,8 @@ using Matrix = MatrixX<double>;
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
 /// difference / scale, where a zero scale demands a zero difference.
 double ratio(double difference, double scale) {
   if (scale > 0) return difference / scale;
@@ -22,26 +24,55 @@ double ratio(double difference, double scale) {
 }
 
 /// max |x - y| w / max scale w, with the weights w of the rows.
-double weighted(const Vector& x, const Vector& y, const Vector& scale, const Vector& weights) {
-  return ratio((x - y).cwiseAbs().cwiseProduct(weights).maxCoeff(), scale.cwiseProduct(weights).maxCoeff());
+double weighted(const Vector6& x, const Vector6& y, const Vector6& scale, const Vector6& weights) {
+  return ratio((x - y).cwiseAbs().cwiseProduct(weights).maxCoeff<Eigen::PropagateNaN>(),
+               scale.cwiseProduct(weights).maxCoeff());
 }
 
-/// For each task row the root of the largest diagonal entry of Omega among the rows of its kind, angular or
-/// linear. A scale that knows neither how the base frame is turned nor the units; rounding in Omega is
-/// relative to it.
-Vector block_weights(const Matrix& Omega, const TaskRows& rows) {
-  double largest[2] = {0, 0};
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    largest[rows[i] / 3] =
-        std::max(largest[rows[i] / 3], Omega(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)));
-  Vector out(static_cast<Eigen::Index>(rows.size()));
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    out[static_cast<Eigen::Index>(i)] = std::sqrt(largest[rows[i] / 3]);
+/// The larger one; not-a-number if one of them is.
+double largest(double x, double y) { return x >= y ? x : y > x ? y : x + y; }
+
+/// Task quantities on all six rows: 0 on those that the task does not control.
+Vector6 spatial(const Vector& x, const TaskRows& rows) {
+  Vector6 out = Vector6::Zero();
+  for (std::size_t i = 0; i < rows.size(); ++i) out[rows[i]] = x[static_cast<Eigen::Index>(i)];
+  return out;
+}
+Matrix6 spatial(const Matrix& A, const TaskRows& rows) {
+  Matrix6 out = Matrix6::Zero();
+  for (std::size_t j = 0; j < rows.size(); ++j)
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      out(rows[i], rows[j]) = A(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+  return out;
+}
+/// x on the rows that the task controls, 0 on the others.
+Vector6 controlled(const Vector6& x, const TaskRows& rows) {
+  Vector6 out = Vector6::Zero();
+  for (const int row : rows) out[row] = x[row];
   return out;
 }
 
-Matrix inverse(const Matrix& M) {
-  return dense::solve(dense::factor(M), Matrix(Matrix::Identity(M.rows(), M.cols())));
+/// |A| |x|, column by column.
+Vector6 sizes_of_product(const dense::Jacobian<double>& A, const Vector& x) {
+  Vector6 sum = Vector6::Zero();
+  for (Eigen::Index k = 0; k < A.cols(); ++k) sum += A.col(k).cwiseAbs() * std::abs(x[k]);
+  return sum;
+}
+Vector6 product(const dense::Jacobian<double>& A, const Vector& x) {
+  Vector6 sum = Vector6::Zero();
+  for (Eigen::Index k = 0; k < A.cols(); ++k) sum += A.col(k) * x[k];
+  return sum;
+}
+
+/// For each task row the root of the largest diagonal entry of Omega among the rows of its kind, angular or
+/// linear; 0 for rows that the task does not control. A scale that knows neither how the base frame is turned
+/// nor the units; rounding in Omega is relative to it.
+Vector6 block_weights(const Matrix6& Omega, const TaskRows& rows) {
+  double largest[2] = {0, 0};
+  for (const int row : rows) largest[row / 3] = std::max(largest[row / 3], Omega(row, row));
+  Vector6 out = Vector6::Zero();
+  for (const int row : rows) out[row] = std::sqrt(largest[row / 3]);
+  return out;
 }
 
 /// How much larger than Omega the numbers are that Omega is the outcome of. Rounding in Omega is eps times
@@ -51,22 +82,23 @@ Matrix inverse(const Matrix& M) {
 ///    the link's origin to the tip, because the sweep goes that way in steps which may cancel;
 ///  - sum_i (J M^-1)(r,i)^2 M(i,i): what a relative error of eps in the entries of M does to row r of (11).
 /// Both are 1 to 10 for most arms, and grow like the mass of a heavy tip over that of the arm.
-double spread(const Evidence& e, const Matrix& Minv, const Vector& d) {
-  const Matrix& M = e.model.joint.M;
+double spread(const Evidence& e, const Matrix& Minv, const Vector6& d) {
+  const dense::Jacobian<double>& J = e.model.tip.J;
+  Vector6 inner = Vector6::Zero(), of_M = inner;
   double angular = 0, linear = 0;  // of the inner links, at the tip
-  for (Eigen::Index i = 1; i <= M.rows(); ++i) {
-    const Matrix J = e.model.tip.J.leftCols(i);
-    const Vector inner = (J * Minv.topLeftCorner(i, i) * J.transpose()).diagonal();
-    const double turning = inner.head(3).maxCoeff(), lever = e.levers[i - 1];
+  for (Eigen::Index i = 0; i < J.cols(); ++i) {
+    // inner = diagonal of J M^-1 J*, both cut off after column i
+    Vector6 sum = J.col(i) * (Minv(i, i) / 2);
+    for (Eigen::Index k = 0; k < i; ++k) sum += J.col(k) * Minv(k, i);
+    inner += 2 * J.col(i).cwiseProduct(sum);
+    of_M += e.J_Minv.col(i).cwiseAbs2() * e.model.joint.M(i, i);
+    const double turning = inner.head<3>().maxCoeff(), lever = e.levers[i];
     angular = std::max(angular, turning);
-    linear = std::max(linear, inner.tail(3).maxCoeff() + turning * lever * lever);
+    linear = std::max(linear, inner.tail<3>().maxCoeff() + turning * lever * lever);
   }
-  const Vector of_M = (e.task.J * Minv).cwiseAbs2() * M.diagonal();
   double out = 1;
-  for (Eigen::Index r = 0; r < d.size(); ++r) {
-    const double inner = e.rows[static_cast<std::size_t>(r)] < 3 ? angular : linear;
-    out = std::max({out, inner / (d[r] * d[r]), of_M[r] / (d[r] * d[r])});
-  }
+  for (const int row : e.rows)
+    out = std::max(out, std::max(row < 3 ? angular : linear, of_M[row]) / (d[row] * d[row]));
   return out;
 }
 
@@ -77,28 +109,51 @@ Residual bounded(Claim claim, double value, double condition) {
 
 Residual not_applicable() { return {0, 0, false}; }
 
-/// Scales of the dense side's sums, on the task rows.
+/// Scales of the dense side's sums, on the task rows; 0 on the others.
 struct Scales {
-  Matrix Minv, Lambda;  // |M^-1|, |Lambda|
-  Vector c, g, u;       // right sides before the solve
-  Scales(const Evidence& e, const Matrix& inverse_of_M) {
-    Minv = inverse_of_M.cwiseAbs();
-    Lambda = e.terms.Lambda.cwiseAbs();
-    c = e.task.J_Minv_C.cwiseAbs() + e.task.Jdot_qd.cwiseAbs();
-    g = e.task.J_Minv_G.cwiseAbs();
-    for (Eigen::Index i = 0; i < g.size(); ++i)
-      if (e.rows[static_cast<std::size_t>(i)] >= 3) g[i] += e.gravity.norm();
-    u = e.u.cwiseAbs();
+  Matrix6 Lambda;   // |Lambda|
+  Vector6 c, g, u;  // right sides before the solve
+  explicit Scales(const Evidence& e) {
+    Lambda = spatial(e.terms.Lambda, e.rows).cwiseAbs();
+    c = spatial(e.task.J_Minv_C, e.rows).cwiseAbs() + spatial(e.task.Jdot_qd, e.rows).cwiseAbs();
+    g = spatial(e.task.J_Minv_G, e.rows).cwiseAbs();
+    const double gravity = e.gravity.norm();
+    for (const int row : e.rows)
+      if (row >= 3) g[row] += gravity;
+    u = spatial(e.u, e.rows).cwiseAbs();
   }
 };
+
+/// The largest |eigenvalue| of the symmetric n x n matrix A, or up to n^(1/8) times as much: the eighth root
+/// of the sum of their eighth powers, which is the trace of A^8.
+template <class Square>
+double largest_eigenvalue(const Square& A) {
+  const Square A2 = A * A;
+  const Square A4 = A2 * A2;
+  return std::sqrt(std::sqrt(std::sqrt(A4.squaredNorm())));
+}
+/// Condition number of A in the 2-norm, or up to n^(1/4) times as much (1.6 at n = 6); infinite where a pivot
+/// of A is not positive.
+template <class Square>
+double condition(const Square& A, const Square& A_inv, const dense::Ldlt<double>& factor) {
+  if (!(factor.D.minCoeff() > 0)) return std::numeric_limits<double>::infinity();
+  return largest_eigenvalue(A) * largest_eigenvalue(A_inv);
+}
+/// The same of M scaled to unit diagonal.
+template <class Square>
+double scaled_condition(const Matrix& M, const Matrix& Minv, const dense::Ldlt<double>& factor) {
+  const Vector s = M.diagonal().cwiseSqrt(), s_inv = s.cwiseInverse();
+  return condition<Square>(s_inv.asDiagonal() * M * s_inv.asDiagonal(),
+                           s.asDiagonal() * Minv * s.asDiagonal(), factor);
+}
 
 /// Sizes of the motions that joint rates (or accelerations) x and the motion `base` of the base add up to at
 /// the tip: angular, and linear with every lever as long as the reach, because the sum goes through the
 /// joints in between.
 std::pair<double, double> sizes(const Evidence& e, const Vector& x, const Vector6& base) {
-  const Vector sum = e.plant.tip.J.cwiseAbs() * x.cwiseAbs() + base.cwiseAbs();
-  const double angular = sum.head(3).maxCoeff();
-  return {angular, sum.tail(3).maxCoeff() + angular * e.reach};
+  const Vector6 sum = sizes_of_product(e.plant.tip.J, x) + base.cwiseAbs();
+  const double angular = sum.head<3>().maxCoeff();
+  return {angular, sum.tail<3>().maxCoeff() + angular * e.reach};
 }
 
 Residual kinematics(const Evidence& e) {
@@ -106,29 +161,55 @@ Residual kinematics(const Evidence& e) {
   const auto [spin, pace] = sizes(e, e.qd, e.base.velocity);
   const auto [turn, push] = sizes(e, e.qdd, e.base.acceleration);
   double worst = ratio((e.tip.R - tip.R).cwiseAbs().maxCoeff(), 1.0);
-  worst = std::max(worst, ratio((e.tip.p - tip.p).cwiseAbs().maxCoeff(), e.reach));
-  for (const Vector6& V : {e.tip_velocity, e.pose_rate}) {
-    worst = std::max(worst, ratio((V - tip.tip_velocity).head(3).cwiseAbs().maxCoeff(), spin));
-    worst = std::max(worst, ratio((V - tip.tip_velocity).tail(3).cwiseAbs().maxCoeff(), pace));
+  worst = largest(worst, ratio((e.tip.p - tip.p).cwiseAbs().maxCoeff(), e.reach));
+  for (const Vector6* V : {&e.tip_velocity, &e.pose_rate}) {
+    const Vector6 off = (*V - tip.tip_velocity).cwiseAbs();
+    worst = largest(worst, ratio(off.head<3>().maxCoeff(), spin));
+    worst = largest(worst, ratio(off.tail<3>().maxCoeff(), pace));
   }
-  const Vector6 off = (e.tip_acceleration - (tip.J * e.qdd + tip.Jdot_qd)).cwiseAbs();
-  worst = std::max(worst, ratio(off.head(3).maxCoeff(), turn + spin * spin));
-  worst = std::max(worst, ratio(off.tail(3).maxCoeff(), push + spin * pace + e.gravity.norm()));
+  const Vector6 off = (e.tip_acceleration - (product(tip.J, e.qdd) + tip.Jdot_qd)).cwiseAbs();
+  worst = largest(worst, ratio(off.head<3>().maxCoeff(), turn + spin * spin));
+  worst = largest(worst, ratio(off.tail<3>().maxCoeff(), push + spin * pace + e.gravity.norm()));
   return bounded(Claim::kinematics, worst, 1);
+}
+
+/// The plant's accelerations against M^-1 (T - C - G + J* F_ext).
+Residual forward_dynamics(const Evidence& e, const Matrix& Minv) {
+  const auto& [tip, joint] = e.plant;
+  const Eigen::Index n = joint.C.size();
+  Vector right(n), sizes(n);
+  const Vector6 push = e.tip_force.cwiseAbs();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    right[k] = e.net_torque[k] - joint.C[k] - joint.G[k] + tip.J.col(k).dot(e.tip_force);
+    sizes[k] = std::abs(e.net_torque[k]) + std::abs(joint.C[k]) + std::abs(joint.G[k]) +
+               tip.J.col(k).cwiseAbs().dot(push);
+  }
+  const Vector qdd = dense::solve(e.plant_M, std::move(right));
+  double off = 0, scale = 0;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double weight = std::sqrt(joint.M(k, k));
+    double size = 0;
+    for (Eigen::Index i = 0; i < n; ++i) size += std::abs(Minv(i, k)) * sizes[i];
+    off = largest(off, std::abs(e.qdd[k] - qdd[k]) * weight);
+    scale = largest(scale, size * weight);
+  }
+  const double condition = n == 6 ? scaled_condition<Matrix6>(joint.M, Minv, e.plant_M)
+                                  : scaled_condition<Matrix>(joint.M, Minv, e.plant_M);
+  return bounded(Claim::forward_dynamics, ratio(off, scale), condition);
 }
 
 /// Second derivatives of the tip's coordinates: those commanded, those reached and those that the tracking
 /// law makes due; orientation and position apart. Errors of the tip's acceleration pass through Pi^-1, those
 /// of its pose through the derivative of Pi^-1: near a singular pose 1/sigma and 1/sigma^2.
-Residual coordinates(const Evidence& e, const Vector& reach_scale, double spread_of_Omega) {
+Residual coordinates(const Evidence& e, const Vector6& reach_scale, double spread_of_Omega) {
   const ChartEvidence& chart = *e.chart;
   const double sigma = std::min(1.0, chart.smallest_singular_value);
   double worst = 0;
   const auto judge = [&](int first, int count, int block) {
     if (count == 0) return;
     double push = 0;
-    for (std::size_t i = 0; i < e.rows.size(); ++i)
-      if (e.rows[i] / 3 == block) push = std::max(push, reach_scale[static_cast<Eigen::Index>(i)]);
+    for (const int row : e.rows)
+      if (row / 3 == block) push = std::max(push, reach_scale[row]);
     const double speed = chart.yd.segment(first, count).cwiseAbs().maxCoeff();
     const double scale = (push + speed * speed) / (sigma * sigma);
     const double missed = (chart.ydd - chart.v).segment(first, count).cwiseAbs().maxCoeff();
@@ -148,31 +229,43 @@ Residual coordinates(const Evidence& e, const Vector& reach_scale, double spread
 
 void fill_dense_side(Evidence& e, const Chain<double>& model, const Chain<double>& plant,
                      std::span<const double> q, bool full_rank) {
-  const auto joints = positions(model, q);
+  set_positions(model, q, e.joints);
   e.gravity = plant.gravity;
-  e.model = dense::state(model, joints, e.qd, e.base);
-  e.plant = plant == model ? e.model : dense::state(plant, joints, e.qd, e.base);
-  e.task = dense::mobility(e.model.tip, e.model.joint, e.rows);
-  if (full_rank) e.terms = dense::task_terms(e.task);
+  e.equal_arms = &plant == &model || plant == model;
+  if (!e.equal_arms) {
+    dense::state(model, e.joints, e.qd, e.base, e.moving, e.model);
+    dense::factor(e.model.joint.M, e.model_M);
+  }
+  dense::state(plant, e.joints, e.qd, e.base, e.moving, e.plant);
+  dense::factor(e.plant.joint.M, e.plant_M);
+  if (e.equal_arms) {  // the dense side's own work, shared with itself
+    e.model = e.plant;
+    e.model_M = e.plant_M;
+  }
+  dense::mobility(e.model.tip, e.model.joint, e.model_M, e.rows, e.J_Minv, e.task);
+  if (full_rank) {
+    dense::factor(e.task.Omega, e.Omega);
+    dense::task_terms(e.task, e.Omega, e.terms);
+  } else {
+    e.terms = {};
+  }
 
-  const auto at = dense::moving_places(plant, joints, e.qd, e.base);
-  const Matrix3<double> R = values(at.tip.R), Rd = derivatives(at.tip.R);
+  const auto& [R, Rd] = e.moving.R_tip;
   const Matrix3<double> spin = Rd * R.transpose();  // omega~
-  e.pose_rate.head(3) << (spin(2, 1) - spin(1, 2)) / 2, (spin(0, 2) - spin(2, 0)) / 2,
-      (spin(1, 0) - spin(0, 1)) / 2;
-  e.pose_rate.tail(3) = derivatives(at.tip.p);
+  e.pose_rate << (spin(2, 1) - spin(1, 2)) / 2, (spin(0, 2) - spin(2, 0)) / 2, (spin(1, 0) - spin(0, 1)) / 2,
+      e.moving.tip.rate;
   e.levers.resize(e.qd.size());
-  Eigen::Index column = 0;
-  for (std::size_t i = 0; i < at.links.size(); ++i)
-    for (int j = 0; j < velocity_count(plant.links[i].type); ++j)
-      e.levers[column++] = values(at.tip.p - at.links[i].origin).norm();
+  for (const auto& link : e.moving.links)
+    for (int c = link.first; c < link.first + link.columns; ++c)
+      e.levers[c] = (e.moving.tip.value - link.origin.value).norm();
 }
 
 double force_residual(const Evidence& e) {
-  const Scales scale(e, inverse(e.model.joint.M));
-  const Vector F = e.terms.Lambda * e.u + e.terms.c + e.terms.g;
-  return weighted(e.F, F - Vector(e.known_tip_force(e.rows)), scale.Lambda * (scale.u + scale.c + scale.g),
-                  block_weights(e.task.Omega, e.rows));
+  const Scales scale(e);
+  const Vector6 F = spatial(Vector(e.terms.Lambda * e.u + e.terms.c + e.terms.g), e.rows);
+  return weighted(spatial(e.F, e.rows), F - controlled(e.known_tip_force, e.rows),
+                  scale.Lambda * (scale.u + scale.c + scale.g),
+                  block_weights(spatial(e.task.Omega, e.rows), e.rows));
 }
 
 Residuals assess(const Evidence& e) {
@@ -180,78 +273,89 @@ Residuals assess(const Evidence& e) {
   out.fill(not_applicable());
   const auto at = [&out](Claim claim) -> Residual& { return out[index(claim)]; };
   at(Claim::kinematics) = kinematics(e);
-
-  // forward dynamics: the plant against M^-1 (T - C - G + J* F_ext)
-  const auto& plant = e.plant.joint;
-  const Vector s = plant.M.diagonal().cwiseSqrt();
-  const Matrix plant_Minv = inverse(plant.M);
-  const Vector forces = e.net_torque.cwiseAbs() + plant.C.cwiseAbs() + plant.G.cwiseAbs() +
-                        e.plant.tip.J.transpose().cwiseAbs() * e.tip_force.cwiseAbs();
-  const Vector qdd = dense::forward_dynamics(plant, e.plant.tip.J, e.net_torque, e.tip_force);
-  at(Claim::forward_dynamics) =
-      bounded(Claim::forward_dynamics, weighted(e.qdd, qdd, plant_Minv.cwiseAbs() * forces, s),
-              scaled_condition(plant.M));
+  Matrix Minv;
+  dense::inverse(e.plant_M, Minv);
+  at(Claim::forward_dynamics) = forward_dynamics(e, Minv);
 
   // the task: Omega, then everything that its inverse multiplies
-  const auto m = static_cast<Eigen::Index>(e.rows.size());
-  const Vector d = block_weights(e.task.Omega, e.rows);
-  if (!(d.minCoeff() > 0)) return out;
-  const Matrix dd = d * d.transpose();
-  const Matrix Minv = inverse(e.model.joint.M);
+  const Matrix6 Omega = spatial(e.task.Omega, e.rows);
+  const Vector6 d = block_weights(Omega, e.rows);
+  Vector6 d_inv = Vector6::Zero();
+  for (const int row : e.rows) {
+    if (!(d[row] > 0)) return out;
+    d_inv[row] = 1 / d[row];
+  }
+  if (!e.equal_arms) dense::inverse(e.model_M, Minv);
   const double spread_of_Omega = spread(e, Minv, d);
+  const Matrix6 dd = d * d.transpose();
   if (e.recursive.Omega.size() > 0) {
-    const Matrix Omega = e.recursive.Omega(e.rows, e.rows);
-    at(Claim::omega) = bounded(Claim::omega, (Omega - e.task.Omega).cwiseAbs().cwiseQuotient(dd).maxCoeff(),
-                               spread_of_Omega);
+    const Matrix6 off = (e.recursive.Omega - Omega).cwiseAbs().cwiseProduct(d_inv * d_inv.transpose());
+    at(Claim::omega) = bounded(Claim::omega, off.maxCoeff(), spread_of_Omega);
   }
 
   if (e.terms.Lambda.size() == 0) return out;
-  const double condition_alone = condition_number(e.task.Omega.cwiseQuotient(dd));
+  const Matrix6 Lambda = spatial(e.terms.Lambda, e.rows);
+  const double condition_alone =
+      condition<Matrix6>(Omega.cwiseProduct(d_inv * d_inv.transpose()), Lambda.cwiseProduct(dd), e.Omega);
   const double condition = condition_alone * spread_of_Omega;
-  const Scales scale(e, Minv);
+  const Scales scale(e);
+  const Vector6 c = spatial(e.terms.c, e.rows), g = spatial(e.terms.g, e.rows);
   if (e.recursive.Lambda.size() > 0) {
     const RecursiveTerms& r = e.recursive;
-    at(Claim::lambda) = bounded(Claim::lambda,
-                                ratio((r.Lambda - e.terms.Lambda).cwiseAbs().cwiseProduct(dd).maxCoeff(),
-                                      scale.Lambda.cwiseProduct(dd).maxCoeff()),
-                                condition);
-    at(Claim::c) = bounded(Claim::c, weighted(r.c, e.terms.c, scale.Lambda * scale.c, d), condition);
-    at(Claim::g) = bounded(Claim::g, weighted(r.g, e.terms.g, scale.Lambda * scale.g, d), condition);
+    at(Claim::lambda) =
+        bounded(Claim::lambda,
+                ratio((spatial(r.Lambda, e.rows) - Lambda).cwiseAbs().cwiseProduct(dd).maxCoeff(),
+                      scale.Lambda.cwiseProduct(dd).maxCoeff()),
+                condition);
+    const Vector6 c_scale = scale.Lambda * scale.c, g_scale = scale.Lambda * scale.g;
+    at(Claim::c) = bounded(Claim::c, weighted(spatial(r.c, e.rows), c, c_scale, d), condition);
+    at(Claim::g) = bounded(Claim::g, weighted(spatial(r.g, e.rows), g, g_scale, d), condition);
     at(Claim::c_plus_g) = bounded(
-        Claim::c_plus_g, weighted(r.c_plus_g, e.terms.c + e.terms.g, scale.Lambda * (scale.c + scale.g), d),
-        condition);
+        Claim::c_plus_g, weighted(spatial(r.c_plus_g, e.rows), c + g, c_scale + g_scale, d), condition);
     for (const Claim claim : {Claim::lambda, Claim::c, Claim::g, Claim::c_plus_g})
       if (e.filtered && !(at(claim).bound <= undecided_bound)) at(claim) = not_applicable();
   }
   if (!e.controlled && !e.linearized) return out;
 
   // torque (16), with the null-space torque T0 projected: T = T0 + J* Lambda (u + right side - J M^-1 T0)
-  const auto& model = e.model.joint;
-  const Matrix Jt = e.task.J.transpose();
-  const Vector t = e.task.J * dense::solve(dense::factor(model.M), e.T0);
-  const Vector known = e.known_tip_force(e.rows);
-  const Vector F = e.terms.Lambda * (e.u - t) + e.terms.c + e.terms.g - known;
-  const Vector t_scale = e.task.J.cwiseAbs() * scale.Minv * e.T0.cwiseAbs();
-  const Vector right = scale.u + scale.c + scale.g + t_scale;
-  const Vector T_scale = e.T0.cwiseAbs() + Jt.cwiseAbs() * (scale.Lambda * right + known.cwiseAbs());
-  const Vector joint_weight = model.M.diagonal().cwiseSqrt().cwiseInverse();
-  const Vector T = e.delayed_torque.size() > 0 ? e.delayed_torque : Vector(e.T0 + Jt * F);
-  const Residual torque = bounded(Claim::torque, weighted(e.T, T, T_scale, joint_weight), condition);
+  const auto& [tip, model] = e.model;
+  const bool pushed_aside = e.T0.cwiseAbs().maxCoeff() > 0;
+  const Vector6 known = controlled(e.known_tip_force, e.rows), u = spatial(e.u, e.rows);
+  Vector6 t = Vector6::Zero(), t_scale = t;  // J M^-1 T0
+  if (pushed_aside) {
+    t = controlled(product(e.J_Minv, e.T0), e.rows);
+    t_scale = controlled(sizes_of_product(tip.J, Minv.cwiseAbs() * e.T0.cwiseAbs()), e.rows);
+  }
+  const Vector6 F = Lambda * (u - t) + c + g - known;
+  const Vector6 right = scale.u + scale.c + scale.g + t_scale;
+  const Vector6 F_scale = scale.Lambda * right + known.cwiseAbs();
+  const auto T_scale = [&](Eigen::Index k) {
+    return std::abs(e.T0[k]) + tip.J.col(k).cwiseAbs().dot(F_scale);
+  };
+  double off = 0, largest_T = 0;
+  for (Eigen::Index k = 0; k < e.T0.size(); ++k) {
+    const double weight = 1 / std::sqrt(model.M(k, k));
+    const double T = e.delayed_torque.size() > 0 ? e.delayed_torque[k] : e.T0[k] + tip.J.col(k).dot(F);
+    off = largest(off, std::abs(e.T[k] - T) * weight);
+    largest_T = largest(largest_T, T_scale(k) * weight);
+  }
+  const Residual torque = bounded(Claim::torque, ratio(off, largest_T), condition);
   if (e.controlled) at(Claim::torque) = torque;
 
   // What the torque adds to J* (Lambda u + c + g) must not move the tip: J M^-1 (T - J* F) = 0
-  if (e.controlled && e.T0.cwiseAbs().maxCoeff() > 0 && e.delayed_torque.size() == 0) {
-    const Vector task_force = e.terms.Lambda * e.u + e.terms.c + e.terms.g - known;
-    const Vector rest = e.task.J * dense::solve(dense::factor(model.M), Vector(e.T - Jt * task_force));
-    const Vector rest_scale = e.task.J.cwiseAbs() * scale.Minv * (e.T0.cwiseAbs() + T_scale);
-    at(Claim::null_space) = bounded(
-        Claim::null_space, weighted(rest, Vector::Zero(m), rest_scale, d.cwiseInverse()), condition_alone);
+  if (e.controlled && pushed_aside && e.delayed_torque.size() == 0) {
+    const Vector6 task_force = Lambda * u + c + g - known;
+    const Vector6 rest = controlled(product(e.J_Minv, e.T - tip.J.transpose() * task_force), e.rows);
+    const Vector sizes =
+        Vector::NullaryExpr(e.T0.size(), [&](Eigen::Index k) { return std::abs(e.T0[k]) + T_scale(k); });
+    const Vector6 rest_scale = controlled(sizes_of_product(tip.J, Minv.cwiseAbs() * sizes), e.rows);
+    at(Claim::null_space) =
+        bounded(Claim::null_space, weighted(rest, Vector6::Zero(), rest_scale, d_inv), condition_alone);
   }
 
   // tip acceleration of the plant = u, and in coordinates ydd = v
   if (!e.linearized) return out;
-  const Vector reached = e.tip_acceleration(e.rows);
-  const Vector reach_scale =
+  const Vector6 reach_scale =
       d * d.dot(F.cwiseAbs()) + right;  // rounding in Omega(i,j) is relative to d_i d_j
   // Where the condition of Omega leaves no digit of F, (5) says nothing: undecided, as the torque is.
   if (!(torque.bound <= undecided_bound)) {
@@ -259,7 +363,7 @@ Residuals assess(const Evidence& e) {
     return out;
   }
   at(Claim::linearization) =
-      bounded(Claim::linearization, weighted(reached, e.u, reach_scale, d.cwiseInverse()),
+      bounded(Claim::linearization, weighted(e.tip_acceleration, u, reach_scale, d_inv),
               e.one_solve ? spread_of_Omega : condition);
   if (e.chart) at(Claim::coordinates) = coordinates(e, reach_scale, spread_of_Omega);
   return out;

@@ -108,6 +108,12 @@ struct Evidence {
   std::optional<ChartEvidence> chart;   // of a law in coordinates of its own
   VectorX<double> levers;               // m, for each column of J: from the origin of its link to the tip
   Vector6 pose_rate = Vector6::Zero();  // derivative of the tip pose along qd
+  // what they were made of, and is needed again
+  bool equal_arms = false;                      // model and plant are the same chain
+  dense::Ldlt<double> model_M, plant_M, Omega;  // factors of the model's M, the plant's M, the task's Omega
+  dense::Jacobian<double> J_Minv;               // J M^-1 of the model, all six rows
+  dense::Moving<double> moving;                 // the plant's links
+  std::vector<JointPosition<double>> joints;
 };
 
 /// Fills the dense side from the models' numbers, the state and e.base alone. q: base to tip. `terms` need

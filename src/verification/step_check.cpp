@@ -4,9 +4,11 @@ namespace osculate {
 
 namespace {
 
-VectorX<double> vector(std::span<const double> values) {
+auto vector(std::span<const double> values) {
   return Eigen::Map<const VectorX<double>>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
+
+void assign(VectorX<double>& to, std::span<const double> values) { to = vector(values); }
 
 }  // namespace
 
@@ -29,53 +31,68 @@ std::string omission(const LawOptions& law) {
   return "";
 }
 
-Evidence gather(ClosedLoop& loop, double t, std::span<const double> y, bool at_sample) {
-  const Observation& seen = loop.observe(t, y);
-  Controller& controller = loop.controller();
-  const Plant& plant = loop.plant();
-  const LawOptions& law = controller.options();
-  const TaskRows& rows = law.rows;
-  const bool acts = law.law != Law::free && (!loop.sampled() || at_sample);
-  const bool by_definition = law.law != Law::textbook || law.textbook == TextbookLaw::dense;
+StepCheck::StepCheck(const ClosedLoop& loop) {
+  const LawOptions& law = loop.controller().options();
   // Between its samples, before its torque is applied and with values of the sample before, a law is not (5).
   const bool late =
       law.sampling && (law.sampling->delay != Delay::none || law.sampling->computation_time > 0);
-  const bool disturbed = seen.command.filtered || seen.command.saturated || law.sensors;
+  reach_ = reach(loop.plant().chain);
+  equal_arms_ = loop.plant().chain == loop.controller().model();
+  linearizes_ = loop.plant_is_model() && omission(law).empty() && !late && !law.sensors;
+  by_definition_ = law.law != Law::textbook || law.textbook == TextbookLaw::dense;
+}
 
-  Evidence e;
-  e.rows = rows;
-  e.controlled = acts && by_definition && !seen.command.filtered && !law.sensors;
-  e.linearized = acts && loop.plant_is_model() && omission(law).empty() && !late && !disturbed;
+Evidence& StepCheck::gather(ClosedLoop& loop, const Observation& seen, bool at_sample) {
+  Controller& controller = loop.controller();
+  const Plant& plant = loop.plant();
+  const LawOptions& law = controller.options();
+  const bool acts = law.law != Law::free && (!loop.sampled() || at_sample);
+
+  Evidence& e = evidence_;
+  e.rows = law.rows;
+  e.controlled = acts && by_definition_ && !seen.command.filtered && !law.sensors;
+  e.linearized = acts && linearizes_ && !seen.command.filtered && !seen.command.saturated;
   e.filtered = seen.command.filtered;
   e.one_solve = law.law != Law::textbook;
-  e.base = loop.base(t);
-  e.reach = reach(plant.chain);
-  e.qd = vector(seen.qd);
-  e.u = seen.command.u(rows);
-  if (law.law == Law::operational_space) e.F = seen.command.F(rows);
-  e.T = vector(controller.rigid_torque());
-  e.T0 = vector(controller.null_space_torque());
-  e.net_torque = vector(loop.net_torque());
+  e.base = loop.base(seen.t);
+  e.reach = reach_;
+  assign(e.qd, seen.qd);
+  e.u.resize(static_cast<Eigen::Index>(law.rows.size()));
+  e.F.resize(law.law == Law::operational_space ? e.u.size() : 0);
+  for (Eigen::Index i = 0; i < e.u.size(); ++i) {
+    e.u[i] = seen.command.u[law.rows[static_cast<std::size_t>(i)]];
+    if (e.F.size() > 0) e.F[i] = seen.command.F[law.rows[static_cast<std::size_t>(i)]];
+  }
+  assign(e.T, controller.rigid_torque());
+  assign(e.T0, controller.null_space_torque());
+  assign(e.net_torque, loop.net_torque());
   e.tip_force = seen.tip_force;
   e.known_tip_force = controller.known_tip_force();
-  e.qdd = vector(seen.qdd);
+  assign(e.qdd, seen.qdd);
   e.tip = seen.command.tip;
   e.tip_velocity = loop.plant_tip_velocity();
   e.tip_acceleration = seen.tip_acceleration;
-  const Coordinates v = seen.command.v;
-  const TipReference reference = seen.command.reference;
+  e.delayed_torque.resize(0);
   bool full_rank = true;
   if (controller.monitored() && (!loop.sampled() || at_sample || law.law != Law::resolved_acceleration)) {
     e.recursive = controller.terms(seen.qd);
     full_rank = e.recursive.Lambda.size() > 0;
+  } else {
+    e.recursive = {};
   }
-  fill_dense_side(e, controller.model(), plant.chain, seen.q, full_rank);
+  const Chain<double>& model = controller.model();
+  fill_dense_side(e, model, equal_arms_ ? model : plant.chain, seen.q, full_rank);
+  e.chart.reset();
   if (acts && !law.sensors && controller.chart()) {
     const auto& tip = e.plant.tip;
-    e.chart = judge_chart({*controller.chart(), law.stiffness, law.damping, reference}, v, tip,
-                          tip.J * e.qdd + tip.Jdot_qd);
+    e.chart = judge_chart({*controller.chart(), law.stiffness, law.damping, seen.command.reference},
+                          seen.command.v, tip, tip.J * e.qdd + tip.Jdot_qd);
   }
   return e;
+}
+
+Evidence gather(ClosedLoop& loop, double t, std::span<const double> y, bool at_sample) {
+  return StepCheck(loop).gather(loop, loop.observe(t, y), at_sample);
 }
 
 Evidence gather_as_measured(const ClosedLoop& loop, const Evidence& at) {

@@ -30,7 +30,8 @@ ONLY_FOR = {
 # The dense side must not see fault.hpp either: a seeded fault may change no bit of it.
 FORBIDDEN_FILES = {"reference": {"scalar/fault.hpp"}, "model": {"scalar/fault.hpp"}}
 FENCES = {
-    r"(cvode|arkode|sundials|nvector|sunlinsol|sunmatrix|sunnonlinsol)[/_]": {"simulation/integrator.cpp"},
+    r"(cvode|arkode|sundials|nvector|sunlinsol|sunmatrix|sunnonlinsol)[/_]": {
+        "simulation/integrator.cpp", "simulation/small_vector.hpp"},
     r"(hdf5|H5)": {"record"},
     r"(urdf_|urdf/|console_bridge)": {"model/urdf.cpp"},
     r"yaml-cpp": {"experiment/yaml_parse.cpp"},

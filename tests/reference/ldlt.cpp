@@ -39,6 +39,11 @@ TEST_CASE("L D L^T is the matrix and solve its inverse, exactly") {
     VectorX<Rational> b(n);
     for (auto& x : b) x = random.fraction(9, 4);
     CHECK(VectorX<Rational>(A * dense::solve(f, b)) == b);
+    MatrixX<Rational> inverse, quotient = MatrixX<Rational>(A * A);
+    dense::inverse(f, inverse);
+    CHECK(MatrixX<Rational>(A * inverse) == one);
+    dense::divide(quotient, f);
+    CHECK(quotient == A);
   }
 }
 

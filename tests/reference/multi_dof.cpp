@@ -202,6 +202,30 @@ TEST_CASE("one free body: Lambda, c and g are those of the body moved to the tip
   }
 }
 
+TEST_CASE("the two passes of state() are the definitions link by link, exactly") {
+  for (const std::vector<JointType>& types : {std::vector<JointType>{revolute, prismatic, revolute},
+                                              {spherical, revolute},
+                                              {universal, planar},
+                                              {floating, cylindrical}})
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      const ExactArm arm = exact_arm_of(seed, types);
+      INFO(letters(arm.chain) << ", seed = " << seed);
+      Random random(seed);
+      const BaseMotion<Q> base = exact_base(random);
+      const auto x = dense::state(arm.chain, arm.positions, arm.qd, base);
+      const auto tip = dense::kinematics(arm.chain, arm.positions, arm.qd, base);
+      const auto joint = dense::joint_space(arm.chain, arm.positions, arm.qd, base);
+      CHECK(x.tip.R == tip.R);
+      CHECK(x.tip.p == tip.p);
+      CHECK(x.tip.J == tip.J);
+      CHECK(x.tip.tip_velocity == tip.tip_velocity);
+      CHECK(x.tip.Jdot_qd == tip.Jdot_qd);
+      CHECK(x.joint.M == joint.M);
+      CHECK(x.joint.C == joint.C);
+      CHECK(x.joint.G == joint.G);
+    }
+}
+
 TEST_CASE("a body on a ball joint obeys Euler's equation about the joint") {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const ExactArm arm = exact_arm_of(seed, {spherical});

@@ -24,7 +24,8 @@ Matrix3<S> plain(const Mat3<S>& a) {
 template <Field S>
 Matrix3<S> plain(const Sym3<S>& a) {
   Matrix3<S> out;
-  out << a.xx, a.xy, a.xz, a.xy, a.yy, a.yz, a.xz, a.yz, a.zz;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) out(i, j) = entry(a, i, j);
   return out;
 }
 template <class Space, Field S>
