@@ -72,6 +72,7 @@ class Runner {
         arms_(make_arms(experiment)),
         problem_(make_loop(experiment, arms_)),
         measurements_(experiment, arms_, problem_),
+        step_check_(problem_),
         force_(problem_) {
     result_.warnings = arms_.warnings;
     const auto& sampling = experiment.controller.sampling;
@@ -89,7 +90,7 @@ class Runner {
       integrate();
     } catch (const IntegrationStopped& error) {
       stop = stop_name(error.reason);
-      if (error.reason == Reason::step_too_small && last_condition_ > singular_condition) stop = "singular";
+      if (error.reason == Reason::step_too_small && last_condition() > singular_condition) stop = "singular";
       result_.message = error.what();
       judge_without_command();
     }
@@ -215,7 +216,8 @@ class Runner {
   void check_step(const StepInfo& step, std::span<const double> y, Simulation* shadow, bool at_sample) {
     const Timed timed(result_.times.checking);
     const double t = at_sample ? step.t : std::min(step.t, limit_);  // a jump is seen from the left
-    Evidence evidence = gather(problem_, t, y, at_sample);
+    const Observation& seen = problem_.observe(t, y);
+    Evidence& evidence = step_check_.gather(problem_, seen, at_sample);
     if (at_sample && delayed_law_)
       evidence.delayed_torque = delayed_law_->torque(problem_.q(y.data()), evidence.qd, evidence.u,
                                                      evidence.T0, evidence.known_tip_force);
@@ -225,9 +227,6 @@ class Runner {
       for (const Claim claim : {Claim::torque, Claim::null_space})
         residuals_[index(claim)] = measured[index(claim)];
     }
-    last_condition_ = scaled_condition(evidence.task.Omega);
-    // The trajectory claims read a fresh observation: gather went on to other sweeps.
-    const Observation seen = problem_.observe(t, y);
     if (shadow && t > 0 && !at_sample) {
       shadow->integrator.interpolate(step.t, 0, row_state_);
       result_.error.add(seen, shadow->loop.observe(t, row_state_));
@@ -260,6 +259,12 @@ class Runner {
                      arms_.plant);
     still.set_modes(problem_.modes());
     verdict_.add(result_.end_time, assess(gather(still, result_.end_time, y)));
+  }
+
+  /// Of Omega at the last checked step, scaled to unit diagonal.
+  double last_condition() const {
+    const MatrixX<double>& Omega = step_check_.last().task.Omega;
+    return Omega.size() > 0 ? scaled_condition(Omega) : 1;
   }
 
   void record_step(const StepInfo& step) {
@@ -330,6 +335,7 @@ class Runner {
   Arms arms_;
   ClosedLoop problem_;  // for rows and checks; the integrators have their own copies
   Measurements measurements_;
+  StepCheck step_check_;
   ForceTracking force_;
   RunResult result_;
   std::optional<Recording> recording_;
@@ -340,7 +346,6 @@ class Runner {
   Vector6 missed_ = Vector6::Zero();  // tip acceleration - u at the last checked step
   bool worse_ = false, filtered_ = false;
   int signal_ = 0;  // that interrupted the run
-  double last_condition_ = 1;
   double limit_ = std::numeric_limits<double>::infinity();
   StepInfo last_step_;
   std::vector<double> row_state_, last_state_;
