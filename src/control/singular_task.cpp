@@ -49,6 +49,12 @@ SingularTask::SingularTask(const SingularityOptions& options, const Compliance<d
   }
 }
 
+const TaskVector<double>& SingularTask::eigenvalues() const {
+  if (spectrum_) return spectrum_->values;
+  if (!eigenvalues_) eigenvalues_ = osculate::eigenvalues(S_, m_);
+  return *eigenvalues_;
+}
+
 const Spectrum& SingularTask::spectrum() const {
   if (!spectrum_) spectrum_ = osculate::spectrum(S_, m_);
   return *spectrum_;

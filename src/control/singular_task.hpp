@@ -58,7 +58,7 @@ class SingularTask {
   int weakest_row() const;
   /// Scaled eigenvalues, ascending; only the first rows.size(). Their errors are a few eps, and their mean
   /// is 1.
-  const TaskVector<double>& eigenvalues() const { return spectrum().values; }
+  const TaskVector<double>& eigenvalues() const;
 
  private:
   const Spectrum& spectrum() const;
@@ -68,7 +68,9 @@ class SingularTask {
   bool active_ = false;
   TaskVector<double> w_{};
   std::array<TaskVector<double>, 6> S_{};
-  mutable std::optional<Spectrum> spectrum_;  // of S_, once it has been asked for
+  // of S_, once they have been asked for
+  mutable std::optional<Spectrum> spectrum_;
+  mutable std::optional<TaskVector<double>> eigenvalues_;
 };
 
 }  // namespace osculate

@@ -18,9 +18,9 @@ class TaskInverse {
       factor(gathered(lower(Omega), rows));
       return;
     }
-    const auto& [J, B, M] = Omega;
-    weight_[0] = weight_[1] = weight_[2] = scale(J.xx + J.yy + J.zz, 3);
-    weight_[3] = weight_[4] = weight_[5] = scale(M.xx + M.yy + M.zz, 3);
+    const auto diagonal = [&Omega](int i) { return component(Omega, i, i); };
+    weight_[0] = weight_[1] = weight_[2] = scale(diagonal(0) + diagonal(1) + diagonal(2), 3);
+    weight_[3] = weight_[4] = weight_[5] = scale(diagonal(3) + diagonal(4) + diagonal(5), 3);
     factor(lower(Omega));
   }
 
@@ -68,13 +68,12 @@ class TaskInverse {
 
   /// The lower triangle, all six rows.
   static Square lower(const Compliance<double>& Omega) {
-    const auto& [J, B, M] = Omega;
-    return {{{J.xx},
-             {J.xy, J.yy},
-             {J.xz, J.yz, J.zz},
-             {B.x.x, B.y.x, B.z.x, M.xx},
-             {B.x.y, B.y.y, B.z.y, M.xy, M.yy},
-             {B.x.z, B.y.z, B.z.z, M.xz, M.yz, M.zz}}};
+    Square out{};
+#pragma GCC unroll 6
+    for (int i = 0; i < 6; ++i)
+#pragma GCC unroll 6
+      for (int j = 0; j <= i; ++j) out[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = component(Omega, i, j);
+    return out;
   }
 
   /// The task rows, in their order, of which none stands twice.

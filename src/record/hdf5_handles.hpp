@@ -116,6 +116,7 @@ inline Handle file_access(bool lock) {
   Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+  H5Pset_sieve_buf_size(access, 0);  // what is written reaches the file, or fails, at once
   H5Pset_file_locking(access, lock, true);
   return access;
 }

@@ -11,7 +11,6 @@
 
 #include "record/ending.hpp"
 #include "record/hdf5_create.hpp"
-#include "record/packed_chunk.hpp"
 
 namespace osculate {
 namespace {
@@ -76,6 +75,13 @@ std::span<const T> gather(const Track& track, const Column& column, std::vector<
   return block;
 }
 
+/// How many values of a block of whole rows equal the one in the row before.
+std::size_t repeated(std::span<const std::uint64_t> block, std::size_t row) {
+  std::size_t count = 0;
+  for (std::size_t i = row; i < block.size(); ++i) count += block[i] == block[i - row];
+  return count;
+}
+
 /// Device and inode: tells whether a name still means the same file.
 std::pair<dev_t, ino_t> identity(const path& file) {
   struct stat status {};
@@ -102,7 +108,6 @@ struct ResultFile::Impl {
   std::pair<dev_t, ino_t> id;
   std::vector<std::uint64_t> words;  // one column of a chunk on its way
   std::vector<std::int8_t> bytes;
-  ChunkPacker packer;
   enum class State { writing, finished, write_failed } state = State::writing;
 
   Impl(const path& where, const Layout& layout, bool force);
@@ -256,13 +261,18 @@ void ResultFile::Impl::write_column(Track& track, Column& column, hsize_t rows) 
     return column.kind == Kind::real ? std::bit_cast<std::uint64_t>(x)
                                      : static_cast<std::uint64_t>(static_cast<std::int64_t>(x));
   };
-  // A whole chunk goes to the file as it will lie there.
+  // Compressing a smooth record costs more than simulating it and saves a third: a whole chunk in which few values
+  // repeat those of the row before is stored as it is, past the filters.
   if (rows == track.chunk_rows && column.kind != Kind::small && std::endian::native == std::endian::little) {
-    const auto packed = packer.pack(gather(track, column, words, word), column.count);
-    check(H5Dwrite_chunk(column.dataset, H5P_DEFAULT, 0, start.data(), packed.size(), packed.data()), "write",
-          column.path);
-    check(H5Dflush(column.dataset), "write", column.path);
-    return;
+    const std::span<const std::uint64_t> block = gather(track, column, words, word);
+    if (2 * repeated(block, column.count) < block.size()) {
+      constexpr std::uint32_t no_filter = 0xffffffff;
+      check(H5Dwrite_chunk(column.dataset, H5P_DEFAULT, no_filter, start.data(), block.size() * sizeof block[0],
+                           block.data()),
+            "write", column.path);
+      check(H5Dflush(column.dataset), "write", column.path);
+      return;
+    }
   }
   const Handle target = check(H5Dget_space(column.dataset), H5Sclose, "write", column.path);
   check(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), "write",
