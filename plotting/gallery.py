@@ -96,6 +96,9 @@ PICTURES = {
     "puma560_wrist_truncated": ANGULAR,
     "satellite_arm_reach": Picture("self_motion", "share"),
     "satellite_arm_tumble": Picture("tip", "space", SPACE),
+    "ur5e_circle": Picture("tip", "position error"),
+    "ur5e_circle_1e9": Picture("tip", "z over y", PATH),
+    "ur5e_circle_long": Picture("error_growth", "difference"),
 }
 
 

@@ -24,7 +24,11 @@ inline hid_t stored_type(Kind kind) {
 /// Creates objects in an open file, all with creation order tracked and without time stamps.
 class Creator {
  public:
-  Creator(hid_t file, const Check& check) : file_(file), check_(check) {}
+  Creator(hid_t file, const Check& check)
+      : file_(file), check_(check), transfer_(H5Pcreate(H5P_DATASET_XFER), H5Pclose) {
+    // HDF5 clears its conversion buffer, of 1 MiB unless told, for every write of strings.
+    H5Pset_buffer(transfer_, 16384, nullptr, nullptr);
+  }
 
   void text_attribute(hid_t object, const std::string& name, const std::string& value) const {
     const Handle type = string_type();
@@ -94,7 +98,7 @@ class Creator {
   /// Writes a whole dataset, and at once (file_access has no buffer for raw data): closing a dataset would drop what
   /// the disk refuses then.
   void write(hid_t dataset, const std::string& where, hid_t type, const void* values) const {
-    check_(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "write", where);
+    check_(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, transfer_, values), "write", where);
   }
 
   /// A fixed axis: labels or coordinates, as a dimension scale.
@@ -136,6 +140,7 @@ class Creator {
 
   hid_t file_;
   const Check& check_;
+  Handle transfer_;
 };
 
 }  // namespace osculate::hdf5

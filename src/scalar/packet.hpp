@@ -6,6 +6,7 @@
 #include <ostream>
 
 #include "scalar/field.hpp"
+#include "scalar/inlined.hpp"
 #include "scalar/lanes.hpp"
 #include "scalar/sine_cosine.hpp"
 
@@ -20,7 +21,7 @@ struct Packet {
   using Numbers = typename LanesOf<N>::Numbers;
   static constexpr int size = N;
 
-  Numbers lanes{};
+  Numbers lanes;  // not set by default, as a double is not
 
   Packet() = default;
   // Written out: GCC copies the struct in halves where it writes the copy itself, and reading it back whole
@@ -35,6 +36,7 @@ struct Packet {
   /// Lane i, 0 <= i < N.
   double operator[](int i) const { return lanes[i]; }
   void set(int i, double x) { lanes[i] = x; }
+  /// For choices that every lane must make alike.
   friend double first_lane(const Packet& x) { return x.lanes[0]; }
 
   OSCULATE_INLINE constexpr Packet& operator+=(const Packet& y) { return lanes += y.lanes, *this; }
@@ -74,26 +76,40 @@ struct Packet {
   }
 };
 
-/// Sine and cosine of N angles, rad: in each lane the bits that the scalar sine_cosine gives.
 template <int N>
-void sine_cosine(const Packet<N>& angle, Packet<N>& sine, Packet<N>& cosine) {
-  constexpr int width = N < native_lanes ? N : native_lanes;
-  using Part = typename LanesOf<width>::Numbers;
-  const auto& k = sine_cosine_detail::constants_in_memory<width>();
-  typename LanesOf<width>::Words ordinary = {};
-  ordinary = ~ordinary;
-  for (int part = 0; part < N / width; ++part) {
-    Part x, s, c;
-    const std::size_t at = static_cast<std::size_t>(part) * sizeof(Part);
-    std::memcpy(&x, reinterpret_cast<const char*>(&angle) + at, sizeof x);
-    sine_cosine_detail::mark_ordinary<width>(x, ordinary);
-    sine_cosine_detail::of_lanes<width>(k, x, s, c);
-    std::memcpy(reinterpret_cast<char*>(&sine) + at, &s, sizeof s);
-    std::memcpy(reinterpret_cast<char*>(&cosine) + at, &c, sizeof c);
-  }
-  if (!sine_cosine_detail::every_lane<width>(ordinary))
-    sine_cosine_detail::by_library(reinterpret_cast<const double*>(&angle), reinterpret_cast<double*>(&sine),
-                                   reinterpret_cast<double*>(&cosine), N);
+inline constexpr bool in_register<Packet<N>> = true;
+
+/// N numbers in a row in memory, and back.
+template <int N>
+OSCULATE_INLINE Packet<N> packet_at(const double* from) {
+  Packet<N> out;
+  std::memcpy(&out.lanes, from, sizeof out.lanes);
+  return out;
+}
+template <int N>
+OSCULATE_INLINE void store(const Packet<N>& x, double* to) {
+  std::memcpy(to, &x.lanes, sizeof x.lanes);
+}
+
+/// Sines and cosines of `count` packets of angles, rad: in each lane the bits that the scalar sine_cosine
+/// gives. The arrays must not overlap.
+template <int N>
+void sine_cosine(const Packet<N>* angle, Packet<N>* sine, Packet<N>* cosine, std::size_t count) {
+  static_assert(sizeof(Packet<N>) == N * sizeof(double));
+  sine_cosine_detail::of_array<(N < native_lanes ? N : native_lanes)>(
+      reinterpret_cast<const double*>(angle), reinterpret_cast<double*>(sine),
+      reinterpret_cast<double*>(cosine), count * N);
+}
+/// One at a time, for joints with a rotation that is no plain turn.
+template <int N>
+Packet<N> sin(const Packet<N>& angle) {
+  Packet<N> sine, cosine;
+  return sine_cosine(&angle, &sine, &cosine, 1), sine;
+}
+template <int N>
+Packet<N> cos(const Packet<N>& angle) {
+  Packet<N> sine, cosine;
+  return sine_cosine(&angle, &sine, &cosine, 1), cosine;
 }
 
 }  // namespace osculate

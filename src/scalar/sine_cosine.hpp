@@ -133,22 +133,17 @@ OSCULATE_INLINE bool every_lane(const typename LanesOf<N>::Words& words) {
   return all != 0;
 }
 
-}  // namespace sine_cosine_detail
-
-/// sine[i], cosine[i] of angle[i], rad, for `count` angles; below 1 ulp up to largest_vector_angle, the C
-/// library's values beyond, and not a number where the angle is not finite. The three arrays must not
-/// overlap. The same angle gives the same bits wherever it stands.
-inline void sine_cosine(const double* angle, double* sine, double* cosine, std::size_t count) {
-  // 4 lanes where 8 would fit: arms have few joints.
-  constexpr int width = native_lanes < 4 ? native_lanes : 4;
+/// sine_cosine with registers of `width` lanes.
+template <int width>
+void of_array(const double* angle, double* sine, double* cosine, std::size_t count) {
   if (count < width) {
     std::array<double, width> few{}, few_sines, few_cosines;
     for (std::size_t i = 0; i < count; ++i) few[i] = angle[i];
-    sine_cosine(few.data(), few_sines.data(), few_cosines.data(), width);
+    of_array<width>(few.data(), few_sines.data(), few_cosines.data(), width);
     for (std::size_t i = 0; i < count; ++i) sine[i] = few_sines[i], cosine[i] = few_cosines[i];
     return;
   }
-  const auto& k = sine_cosine_detail::constants_in_memory<width>();
+  const Constants<width>& k = constants_in_memory<width>();
   typename LanesOf<width>::Numbers x, s, c;
   typename LanesOf<width>::Words ordinary = {};
   ordinary = ~ordinary;
@@ -156,13 +151,22 @@ inline void sine_cosine(const double* angle, double* sine, double* cosine, std::
     // The last register goes back as far as it must to be full: some angles are then done twice, alike.
     const std::size_t at = done + width <= count ? done : count - width;
     std::memcpy(&x, angle + at, sizeof x);
-    sine_cosine_detail::mark_ordinary<width>(x, ordinary);
-    sine_cosine_detail::of_lanes<width>(k, x, s, c);
+    mark_ordinary<width>(x, ordinary);
+    of_lanes<width>(k, x, s, c);
     std::memcpy(sine + at, &s, sizeof s);
     std::memcpy(cosine + at, &c, sizeof c);
   }
-  if (!sine_cosine_detail::every_lane<width>(ordinary))
-    sine_cosine_detail::by_library(angle, sine, cosine, count);
+  if (!every_lane<width>(ordinary)) by_library(angle, sine, cosine, count);
+}
+
+}  // namespace sine_cosine_detail
+
+/// sine[i], cosine[i] of angle[i], rad, for `count` angles; below 1 ulp up to largest_vector_angle, the C
+/// library's values beyond, and not a number where the angle is not finite. The three arrays must not
+/// overlap. The same angle gives the same bits wherever it stands.
+inline void sine_cosine(const double* angle, double* sine, double* cosine, std::size_t count) {
+  // 4 lanes where 8 would fit: arms have few joints.
+  sine_cosine_detail::of_array<(native_lanes < 4 ? native_lanes : 4)>(angle, sine, cosine, count);
 }
 
 }  // namespace osculate
