@@ -14,7 +14,7 @@ namespace osculate {
 class TaskInverse {
  public:
   TaskInverse(const Compliance<double>& Omega, const TaskRows& rows) : m_(static_cast<int>(rows.size())) {
-    if (m_ < 6) {
+    if (!are_all_rows(rows)) {
       factor(gathered(lower(Omega), rows));
       return;
     }
@@ -72,7 +72,8 @@ class TaskInverse {
 #pragma GCC unroll 6
     for (int i = 0; i < 6; ++i)
 #pragma GCC unroll 6
-      for (int j = 0; j <= i; ++j) out[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = component(Omega, i, j);
+      for (int j = 0; j <= i; ++j)
+        out[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = component(Omega, i, j);
     return out;
   }
 

@@ -6,16 +6,24 @@
 
 namespace osculate {
 
-/// A rotation whose third column is the unit vector `axis`: the smallest one that turns z, or -z where that is
-/// nearer, into it. Field operations only; for a packet the first lane chooses.
+/// Below zero; of a packet the first lane, of a dual number the value.
+template <Field S>
+bool is_negative(const S& x) {
+  if constexpr (Ordered<S>)
+    return x < S(0);
+  else if constexpr (requires { first_lane(x); })
+    return first_lane(x) < 0;
+  else
+    return is_negative(x.value);
+}
+
+/// A rotation whose third column is the unit vector `axis`: the smallest one that turns z, or -z where that
+/// is nearer, into it. Field operations only; for a packet the first lane chooses.
 template <Field S>
 Matrix3<S> rotation_onto(const Vector3<S>& axis) {
-  bool down;
-  if constexpr (Ordered<S>)
-    down = axis[2] < S(0);
-  else
-    down = first_lane(axis[2]) < 0;
-  const S one(1), x = down ? S(-axis[0]) : axis[0], y = down ? S(-axis[1]) : axis[1], z = down ? S(-axis[2]) : axis[2];
+  const bool down = is_negative(axis[2]);
+  const S one(1), x = down ? S(-axis[0]) : axis[0], y = down ? S(-axis[1]) : axis[1],
+                  z = down ? S(-axis[2]) : axis[2];
   const S w = one / (one + z);
   Matrix3<S> R;
   R << one - x * x * w, -(x * y * w), x, -(x * y * w), one - y * y * w, y, -x, -y, z;
@@ -30,7 +38,8 @@ Chain<S> aligned(const Chain<S>& chain) {
   Chain<S> out = chain;
   Matrix3<S> inboard = Matrix3<S>::Identity();  // new axes of the inboard link in its old ones
   for (Link<S>& link : out.links) {
-    const Matrix3<S> own = one_axis(link.type) ? rotation_onto(link.axis) : Matrix3<S>(Matrix3<S>::Identity());
+    const Matrix3<S> own =
+        one_axis(link.type) ? rotation_onto(link.axis) : Matrix3<S>(Matrix3<S>::Identity());
     link.p_origin = inboard.transpose() * link.p_origin;
     link.R_origin = Matrix3<S>(inboard.transpose() * link.R_origin) * own;
     link.com = own.transpose() * link.com;

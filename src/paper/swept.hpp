@@ -179,11 +179,12 @@ void fill_links(const Question<S>& ask, Swept<S>& out) {
   });
   sweep_compliance(arm, ground, {}, x);
   out.printed_4_3 = column(x.eta0);
-  sweep_compliance(arm, ground, ground.a_g, x, [&](int k, const auto& Omega, const auto& eta, const auto& xi) {
-    set_block(out.Omega, k, Omega);
-    set(out.eta, k, eta);
-    set(out.xi, k, xi);
-  });
+  sweep_compliance(arm, ground, ground.a_g, x,
+                   [&](int k, const auto& Omega, const auto& eta, const auto& xi) {
+                     set_block(out.Omega, k, Omega);
+                     set(out.eta, k, eta);
+                     set(out.xi, k, xi);
+                   });
   sweep_gravity(arm, ground.a_g, x, [&](int k, const auto& eta) { set(out.eta_g, k, eta); });
   sweep_torques(arm, force(ask.F), x);
 

@@ -95,8 +95,8 @@ class Creator {
     return made;
   }
 
-  /// Writes a whole dataset, and at once (file_access has no buffer for raw data): closing a dataset would drop what
-  /// the disk refuses then.
+  /// Writes a whole dataset, and at once (file_access has no buffer for raw data): closing a dataset would
+  /// drop what the disk refuses then.
   void write(hid_t dataset, const std::string& where, hid_t type, const void* values) const {
     check_(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, transfer_, values), "write", where);
   }

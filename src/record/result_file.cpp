@@ -261,14 +261,16 @@ void ResultFile::Impl::write_column(Track& track, Column& column, hsize_t rows) 
     return column.kind == Kind::real ? std::bit_cast<std::uint64_t>(x)
                                      : static_cast<std::uint64_t>(static_cast<std::int64_t>(x));
   };
-  // Compressing a smooth record costs more than simulating it and saves a third: a whole chunk in which few values
-  // repeat those of the row before is stored as it is, past the filters.
-  if (rows == track.chunk_rows && column.kind != Kind::small && std::endian::native == std::endian::little) {
+  // Compressing a smooth record costs more than simulating it and saves a third: a chunk in which few values
+  // repeat those of the row before is stored as it is, past the filters. The last one is filled up with
+  // zeros.
+  if (column.kind != Kind::small && std::endian::native == std::endian::little) {
     const std::span<const std::uint64_t> block = gather(track, column, words, word);
     if (2 * repeated(block, column.count) < block.size()) {
+      words.resize(track.chunk_rows * column.count);
       constexpr std::uint32_t no_filter = 0xffffffff;
-      check(H5Dwrite_chunk(column.dataset, H5P_DEFAULT, no_filter, start.data(), block.size() * sizeof block[0],
-                           block.data()),
+      check(H5Dwrite_chunk(column.dataset, H5P_DEFAULT, no_filter, start.data(),
+                           words.size() * sizeof words[0], words.data()),
             "write", column.path);
       check(H5Dflush(column.dataset), "write", column.path);
       return;

@@ -12,6 +12,7 @@
 #include "scalar/inlined.hpp"
 #include "spatial/hinge.hpp"
 #include "spatial/joint.hpp"
+#include "spatial/tip_columns.hpp"
 
 namespace osculate {
 
@@ -99,6 +100,27 @@ struct BasicArm {
 template <Field S>
 using Arm = BasicArm<Hinge<S>>;
 
+/// work(k, H(k)) for k = first .. 1, base -> tip. Joints of one kind in a row share a loop that knows their
+/// kind.
+template <class H, class Work>
+constexpr void outward(const BasicArm<H>& arm, int first, const Work& work) {
+  for (int k = first; k >= 1;)
+    with_known_kind(arm[k].hinge, [&](const auto& kind) {
+      do work(k, kind(arm[k].hinge));
+      while (--k >= 1 && kind.holds(arm[k].hinge));
+    });
+}
+/// work(k, H(k)) for k = 1 .. n, tip -> base.
+template <class H, class Work>
+constexpr void inward(const BasicArm<H>& arm, const Work& work) {
+  const int n = arm.n();
+  for (int k = 1; k <= n;)
+    with_known_kind(arm[k].hinge, [&](const auto& kind) {
+      do work(k, kind(arm[k].hinge));
+      while (++k <= n && kind.holds(arm[k].hinge));
+    });
+}
+
 /// Joint coordinates in the paper's numbering, read from a base-to-tip list of one number for each joint.
 template <class C>
 struct TipFirst {
@@ -149,16 +171,21 @@ void set_joint_entry(const JointOrder& order, std::span<typename H::Scalar> list
   }
 }
 
-/// Joint coordinates in the paper's numbering from a base-to-tip list, for joints of any kind.
+/// Joint coordinates in the paper's numbering from a base-to-tip list of all of them, for joints of any kind.
 template <class H>
 struct JointList {
   const JointOrder& order;
   std::span<const typename H::Scalar> base_first;
-  typename H::Coordinate operator[](int k) const { return joint_entry<H>(order, base_first, k); }
+  typename H::Coordinate operator[](int k) const {
+    if constexpr (has_one_axis<H>)
+      return base_first[base_first.size() - static_cast<std::size_t>(k)];
+    else
+      return joint_entry<H>(order, base_first, k);
+  }
 };
 
-/// The constants of a chain, prepared once so that placing the arm costs field operations only: joint axes along
-/// z (aligned.hpp), and the inertia about O(k). Joints with one axis need H = Hinge.
+/// The constants of a chain, prepared once so that placing the arm costs field operations only: joint axes
+/// along z (aligned.hpp), and the inertia about O(k). Joints with one axis need H = Hinge.
 template <class H>
 class BasicArmBuilder {
  public:
@@ -169,6 +196,7 @@ class BasicArmBuilder {
     for (const auto& l : chain.links) {
       Constants c;
       c.type = l.type;
+      c.kind = l.type == JointType::revolute ? HingeKind::revolute : HingeKind::prismatic;
       c.axis = to_vec3(l.axis);
       c.axis2 = to_vec3(l.axis2);
       c.p = to_vec3(l.p_origin);
@@ -223,6 +251,7 @@ class BasicArmBuilder {
  private:
   struct Constants {
     JointType type;
+    HingeKind kind;       // of joints with one axis
     Vec3<S> axis, axis2;  // joint axes
     Axes<S> R;            // joint axes, and
     Vec3<S> p;            // origin, in the inboard link's axes
@@ -256,7 +285,8 @@ class BasicArmBuilder {
       auto& [phi, hinge, M, J] = arm[k];
       const Axes<S> joint = {e * c.R_along[0], e * c.R_along[1], e * c.R_along[2]};
       phi.l = e * c.p_along;
-      if (c.type != JointType::revolute) phi.l = phi.l + slid(c.type, joint, joints[i]);  // O(k) moves with link k
+      if (c.type != JointType::revolute)
+        phi.l = phi.l + slid(c.type, joint, joints[i]);  // O(k) moves with link k
       e = turned_by(c.type, joint, joints[i]);
       set_axes(hinge, J, c, joint, e);
       M = {turned(faulty(Fault::inertia_turned_back) ? inverse(e) : e, c.I_along),
@@ -286,7 +316,7 @@ class BasicArmBuilder {
   static void set_axes(H& hinge, typename H::JointInertia& J, const Constants& c, const Axes<S>& joint,
                        const Axes<S>& link) {
     if constexpr (has_one_axis<H>) {
-      hinge.kind = c.type == JointType::revolute ? HingeKind::revolute : HingeKind::prismatic;
+      hinge.kind = c.kind;
       hinge.h = link.z;  // the same as joint.z
       J.d = c.J;
     } else {

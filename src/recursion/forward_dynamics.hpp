@@ -30,9 +30,9 @@ class BasicForwardDynamics {
     ground_ = builder_.ground(base);
   }
 
-  /// Instead of place() and move(): takes the placed links (phi, H, M, J) and sweep 1 (V, a, b) of `space`, an arm of
-  /// the same chain on a base at rest, until the next place(). Nothing of its sweeps 2 to 4 is taken. `space` must
-  /// stay where it is, and as it is, while this object is asked.
+  /// Instead of place() and move(): takes the placed links (phi, H, M, J) and sweep 1 (V, a, b) of `space`,
+  /// an arm of the same chain on a base at rest, until the next place(). Nothing of its sweeps 2 to 4 is
+  /// taken. `space` must stay where it is, and as it is, while this object is asked.
   void follow(const BasicOperationalSpace<H>& space) { leader_.space = &space; }
 
   /// Sweep 1: afterwards the tip's velocity is known.
@@ -66,8 +66,7 @@ class BasicForwardDynamics {
     for (int k = n(); k >= 1; --k) {
       const auto rate = joint_entry<H>(order_, qd, k);
       V = arm()[k].phi.T() * V + arm()[k].hinge.T() * rate;
-      twice = twice + dot(arm()[k].M * V, V) +
-              seeded(Fault::rotor_energy, product(rate, arm()[k].J * rate));
+      twice = twice + dot(arm()[k].M * V, V) + seeded(Fault::rotor_energy, product(rate, arm()[k].J * rate));
     }
     return twice / S(2);
   }

@@ -8,7 +8,8 @@
 // (k-1).
 //
 // Deviations from the print:
-//  - the P update is psi P phi*, which is psi P psi* + K J K* (J: reflected motor inertia); as printed, psi P psi*
+//  - the P update is psi P phi*, which is psi P psi* + K J K* (J: reflected motor inertia); as printed, psi P
+//  psi*
 //    alone, it holds for J = 0 only;
 //  - the base may move: V(n+1) starts (41), and A = Vdot(n+1) + a_g is reassigned to a(n) as section 4.3 does
 //    with a_g; a_g is also added on the right of (68), which the print omits; without it c+g is wrong by
@@ -25,20 +26,20 @@
 
 namespace osculate {
 
-/// What one sweep leaves at link k for the next. V, P, z, xi, Omega, eta, f, alpha run along the arm and are not
-/// kept; whoever wants to see them gives a sweep a function `see`.
+/// What one sweep leaves at link k for the next. V, P, z, xi, Omega, eta, f, alpha run along the arm and are
+/// not kept; whoever wants to see them gives a sweep a function `see`.
 template <class H>
 struct Pass {
   using S = typename H::Scalar;
   using Coordinate = typename H::Coordinate;
-  Vec<Motion, S> a;                     // bias acceleration
-  Vec<Force, S> b;                      // bias force
-  typename H::Gain G;                   // (31)
-  typename H::JointInertia D;           // (30), articulated inertia felt by the joint, with armature
+  Vec<Motion, S> a;            // bias acceleration
+  Vec<Force, S> b;             // bias force
+  typename H::Gain G;          // (31)
+  typename H::JointInertia D;  // (30), articulated inertia felt by the joint, with armature
   typename H::JointMobility D_inverse;
-  Coordinate Hz{};                      // H(k) z(k)
-  Coordinate T0{}, T{};                 // joint torque known beforehand; joint torque of (39)
-  Coordinate thdd{};                    // joint acceleration (plant)
+  Coordinate Hz{};       // H(k) z(k)
+  Coordinate T0{}, T{};  // joint torque known beforehand; joint torque of (39)
+  Coordinate thdd{};     // joint acceleration (plant)
 };
 
 /// x[1] .. x[n], what the sweeps find at the tip, and how often one went along the arm.
@@ -97,12 +98,14 @@ constexpr void velocity_step(const ArmLink<H>& link, const H& Hk, const typename
   const auto in = V;
   const auto joint = Hk.T() * thd;
   V = phi.T() * in + seeded(Fault::velocity_joint, joint);  // (41)
-  x.a = with_inner_bias(Hk, thd, seeded(Fault::bias_acceleration, bias_acceleration(in, phi, joint)));  // (48)
-  x.b = seeded(Fault::bias_force, bias_force(M, faulty(Fault::inner_velocity) ? in : V));               // (47)
+  x.a =
+      with_inner_bias(Hk, thd, seeded(Fault::bias_acceleration, bias_acceleration(in, phi, joint)));  // (48)
+  x.b = seeded(Fault::bias_force, bias_force(M, faulty(Fault::inner_velocity) ? in : V));             // (47)
 }
 template <class H>
-constexpr void velocity_at_tip(const ArmLink<H>& tip, const Vec<Motion, typename H::Scalar>& V, Passes<H>& x) {
-  x.V0 = tip.phi.T() * V;                                  // (41)
+constexpr void velocity_at_tip(const ArmLink<H>& tip, const Vec<Motion, typename H::Scalar>& V,
+                               Passes<H>& x) {
+  x.V0 = tip.phi.T() * V;                                   // (41)
   x.a0 = seeded(Fault::tip_bias, bias_at_tip(V, tip.phi));  // (48), k = 0
 }
 
@@ -127,15 +130,15 @@ constexpr void carry_inertia(const ArmLink<H>& link, const Pass<H>& x, const Psi
                              Inertia<typename H::Scalar>& P) {
   P = psi * P * link.phi.T();  // (37): psi P psi* + K J K*
   if (!faulty(Fault::armature_without_gain) && !faulty(Fault::articulated_armature)) return;
-  const auto K = link.phi * x.G;                                // (32)
-  P = P - K * link.J * K.T();                                   // as printed
+  const auto K = link.phi * x.G;  // (32)
+  P = P - K * link.J * K.T();     // as printed
   if (faulty(Fault::articulated_armature)) P = P - K * link.J * K.T();
 }
 
 /// a(k), to which the innermost link adds what the base does.
 template <class H>
-constexpr Vec<Motion, typename H::Scalar> bias_with_ground(const BasicArm<H>& arm, const Passes<H>& moved, int k,
-                                                           const Ground<typename H::Scalar>& ground) {
+constexpr Vec<Motion, typename H::Scalar> bias_with_ground(const BasicArm<H>& arm, const Passes<H>& moved,
+                                                           int k, const Ground<typename H::Scalar>& ground) {
   if (k != arm.n() && !faulty(Fault::ground_in_every_link)) return moved[k].a;
   return moved[k].a + arm[k].phi.T() * ground.A;  // section 4.3: a(n) + phi*(n+1,n) a_g
 }
@@ -156,17 +159,35 @@ constexpr void bias_step(const Inertia<typename H::Scalar>& P, const Psi<H>& psi
     z = phi * (z - G * (x.Hz - T0));  // (66): psi z + K T0
 }
 
-/// Omega(k), eta(k) from the next link inward.
+/// xi(k) (66).
+template <class H>
+constexpr Vec<Motion, typename H::Scalar> innovation_step(const H& Hk, const Pass<H>& x,
+                                                          const Vec<Motion, typename H::Scalar>& abar) {
+  return Hk.T() * x.D_inverse * (seeded(Fault::innovation, x.Hz) - x.T0) -
+         seeded(Fault::innovation_bias, abar);
+}
+/// Omega(n), eta(n): Omega(n+1) = 0 and eta(n+1) = 0.
+template <class H, class See>
+constexpr void compliance_at_base(const BasicArm<H>& arm, const H& Hn, const Passes<H>& x,
+                                  const Ground<typename H::Scalar>& ground,
+                                  Compliance<typename H::Scalar>& Omega, Vec<Motion, typename H::Scalar>& eta,
+                                  const See& see) {
+  const auto& xn = x[arm.n()];
+  const auto xi = innovation_step(Hn, xn, bias_with_ground(arm, x, arm.n(), ground));  // (66)
+  Omega = seeded(Fault::compliance_joint, Hn.T() * xn.D_inverse * Hn);                 // (58)
+  eta = seeded(Fault::compliance_bias, xi);                                            // (67)
+  see(arm.n(), Omega, eta, xi);
+}
+/// Omega(k), eta(k) from the next link inward, k < n.
 template <class H, class See>
 constexpr void compliance_step(const BasicArm<H>& arm, const H& Hk, const Passes<H>& x, int k,
-                               const Ground<typename H::Scalar>& ground, Compliance<typename H::Scalar>& Omega,
-                               Vec<Motion, typename H::Scalar>& eta, const See& see) {
+                               const Ground<typename H::Scalar>& ground,
+                               Compliance<typename H::Scalar>& Omega, Vec<Motion, typename H::Scalar>& eta,
+                               const See& see) {
   const auto psi = psi_of(arm, Hk, x, k);
-  const auto abar = bias_with_ground(arm, x, k, ground);
-  const auto xi = Hk.T() * x[k].D_inverse * (seeded(Fault::innovation, x[k].Hz) - x[k].T0) -
-                  seeded(Fault::innovation_bias, abar);                                                     // (66)
   Omega = psi.T() * Omega * psi + seeded(Fault::compliance_joint, Hk.T() * x[k].D_inverse * Hk);  // (58)
-  eta = psi.T() * eta + seeded(Fault::compliance_bias, xi);                                      // (67)
+  const auto xi = innovation_step(Hk, x[k], bias_with_ground(arm, x, k, ground));                 // (66)
+  eta = psi.T() * eta + seeded(Fault::compliance_bias, xi);                                       // (67)
   see(k, Omega, eta, xi);
 }
 /// a_g: in the axes of the tip.
@@ -174,7 +195,7 @@ template <class H>
 constexpr void compliance_at_tip(const ArmLink<H>& tip, const Vec<Motion, typename H::Scalar>& a_g,
                                  const Compliance<typename H::Scalar>& Omega,
                                  const Vec<Motion, typename H::Scalar>& eta, Passes<H>& x) {
-  const auto& phi = tip.phi;             // phi(1,0)
+  const auto& phi = tip.phi;         // phi(1,0)
   x.Omega0 = phi.T() * Omega * phi;  // (60)
   x.eta0 = phi.T() * eta - seeded(Fault::tip_right_side, x.a0) +
            seeded(Fault::tip_gravity, a_g);  // (68), corrected
@@ -183,7 +204,8 @@ constexpr void compliance_at_tip(const ArmLink<H>& tip, const Vec<Motion, typena
 
 /// T(k). f: f(k-1), becomes f(k).
 template <class H>
-constexpr void torque_step(const BasicArm<H>& arm, const H& Hk, int k, Vec<Force, typename H::Scalar>& f, Pass<H>& x) {
+constexpr void torque_step(const BasicArm<H>& arm, const H& Hk, int k, Vec<Force, typename H::Scalar>& f,
+                           Pass<H>& x) {
   const auto& phi = arm[faulty(Fault::torque_next_shift) ? k : k - 1].phi;
   f = phi * seeded(Fault::torque_shift, f);  // (39)
   x.T = Hk * f;                              // (39)
@@ -196,46 +218,69 @@ void sweep_velocities(const BasicArm<H>& arm, const Rates& thd, const Ground<typ
   ++x.sweeps;
   if constexpr (in_link_frames<H>) x.tip = arm.base;
   auto V = ground.V;
-  for (int k = arm.n(); k >= 1; --k) {
-    with_known_kind(arm[k].hinge, [&](const H& Hk) { velocity_step(arm[k], Hk, thd[k], V, x[k]); });
+  outward(arm, arm.n(), [&](int k, const H& Hk) {
+    velocity_step(arm[k], Hk, thd[k], V, x[k]);
     see(k, V);
     if constexpr (in_link_frames<H>) x.tip = x.tip * arm[k].phi;
-  }
+  });
   velocity_at_tip(arm[0], V, x);
   if constexpr (in_link_frames<H>) x.tip = x.tip * arm[0].phi;
 }
 
-/// Sweep 2, tip -> base: articulated inertia, and the bias carried through it. Reads x[k].T0. F_ext: external wrench
-/// on the tip, about the tip point. moved: where sweep 1 has left a and b, x itself as a rule. see(k, P(k), z(k)).
+/// Sweep 2, tip -> base: articulated inertia, and the bias carried through it. Reads x[k].T0. F_ext: external
+/// wrench on the tip, about the tip point. moved: where sweep 1 has left a and b, x itself as a rule. see(k,
+/// P(k), z(k)).
 template <class H, class See = Unseen>
-void sweep_articulated(const BasicArm<H>& arm, const Passes<H>& moved, const Ground<typename H::Scalar>& ground,
-                       const Vec<Force, typename H::Scalar>& F_ext, Passes<H>& x, const See& see = {}) {
+void sweep_articulated(const BasicArm<H>& arm, const Passes<H>& moved,
+                       const Ground<typename H::Scalar>& ground, const Vec<Force, typename H::Scalar>& F_ext,
+                       Passes<H>& x, const See& see = {}) {
   ++x.sweeps;
   Inertia<typename H::Scalar> P;
   auto z = arm[0].phi * seeded(Fault::tip_wrench, -F_ext);  // z(0) = -F_ext
-  for (int k = 1; k <= arm.n(); ++k)
-    with_known_kind(arm[k].hinge, [&](const H& Hk) {
-      articulate(arm[k], Hk, P, x[k]);  // (37), (30), (31)
-      const auto psi = psi_of(arm, Hk, x, k);
-      bias_step(P, psi, bias_with_ground(arm, moved, k, ground), moved[k].b, x[k], z,
-                [&](const auto& at_k) { see(k, P, at_k); });  // (66)
-      carry_inertia(arm[k], x[k], psi, P);                    // (37)
-    });
+  inward(arm, [&](int k, const H& Hk) {
+    articulate(arm[k], Hk, P, x[k]);  // (37), (30), (31)
+    const auto psi = psi_of(arm, Hk, x, k);
+    bias_step(P, psi, bias_with_ground(arm, moved, k, ground), moved[k].b, x[k], z,
+              [&](const auto& at_k) { see(k, P, at_k); });  // (66)
+    carry_inertia(arm[k], x[k], psi, P);                    // (37)
+  });
 }
 
-/// Sweep 3, base -> tip: Omega(0), and the right side of Omega(0) (c + g) = eta0 (c alone when a_g = 0 and the base
-/// does not accelerate). a_g: in the axes of the tip. see(k, Omega(k), eta(k), xi(k)).
+/// Sweep 3, base -> tip: Omega(0), and the right side of Omega(0) (c + g) = eta0 (c alone when a_g = 0 and
+/// the base does not accelerate). a_g: in the axes of the tip. see(k, Omega(k), eta(k), xi(k)).
 template <class H, class See = Unseen>
 void sweep_compliance(const BasicArm<H>& arm, const Ground<typename H::Scalar>& ground,
                       const Vec<Motion, typename H::Scalar>& a_g, Passes<H>& x, const See& see = {}) {
   ++x.sweeps;
   Compliance<typename H::Scalar> Omega;
   Vec<Motion, typename H::Scalar> eta;
-  for (int k = arm.n(); k >= 1; --k)
-    with_known_kind(arm[k].hinge, [&](const H& Hk) {
-      compliance_step(arm, Hk, x, k, ground, Omega, eta, see);  // (58), (67)
-    });
+  compliance_at_base(arm, arm[arm.n()].hinge, x, ground, Omega, eta, see);
+  outward(arm, arm.n() - 1, [&](int k, const H& Hk) {
+    compliance_step(arm, Hk, x, k, ground, Omega, eta, see);  // (58), (67)
+  });
   compliance_at_tip(arm[0], a_g, Omega, eta, x);  // (60), (68)
+}
+
+/// Instead of sweep 3, after sweep 2, tip -> base: the same Omega(0) and eta0, summed over the links while
+/// six unit forces on the tip are carried inward by psi. Fewer steps that wait for each other; in one frame
+/// only.
+template <class H>
+void sweep_columns(const BasicArm<H>& arm, const Ground<typename H::Scalar>& ground,
+                   const Vec<Motion, typename H::Scalar>& a_g, Passes<H>& x) {
+  static_assert(!in_link_frames<H>, "between link frames the columns would have to be turned");
+  ++x.sweeps;
+  TipMobility<typename H::Scalar> Omega;
+  SixRow<typename H::Scalar> eta;
+  auto X = tip_columns(arm[0].phi);  // X(1) = phi(1,0)
+  inward(arm, [&](int k, const H& Hk) {
+    const auto abar = bias_with_ground(arm, x, k, ground);
+    const auto E = Hk * X;
+    Omega = Omega + E.T() * x[k].D_inverse * E;                                 // (58), (60)
+    eta = eta + E.T() * (x[k].D_inverse * (x[k].Hz - x[k].T0)) - X.T() * abar;  // (66), (67)
+    X = arm[k].phi * (X - x[k].G * E);                                          // psi X
+  });
+  x.Omega0 = compliance_of(Omega);
+  x.eta0 = motion_of(eta) - x.a0 + a_g;  // (68), corrected
 }
 
 /// Base -> tip: the right side of Omega(0) g = eta_g0, from psi alone. see(k, eta(k)), the eta of (73).
@@ -243,10 +288,10 @@ template <class H, class See = Unseen>
 void sweep_gravity(const BasicArm<H>& arm, const Vec<Motion, typename H::Scalar>& a_g, Passes<H>& x,
                    const See& see = {}) {
   ++x.sweeps;
-  auto alpha = a_g;                             // (73)
+  auto alpha = a_g;                              // (73)
   auto eta = seeded(Fault::gravity_start, a_g);  // (73)
   for (int k = arm.n(); k >= 1; --k) {
-    alpha = arm[k].phi.T() * alpha;          // (73)
+    alpha = arm[k].phi.T() * alpha;                   // (73)
     eta = psi_of(arm, arm[k].hinge, x, k).T() * eta;  // (73)
     see(k, eta);
   }
@@ -258,8 +303,7 @@ template <class H>
 void sweep_torques(const BasicArm<H>& arm, const Vec<Force, typename H::Scalar>& F_c, Passes<H>& x) {
   ++x.sweeps;
   auto f = F_c;
-  for (int k = 1; k <= arm.n(); ++k)
-    with_known_kind(arm[k].hinge, [&](const H& Hk) { torque_step(arm, Hk, k, f, x[k]); });  // (39)
+  inward(arm, [&](int k, const H& Hk) { torque_step(arm, Hk, k, f, x[k]); });  // (39)
 }
 
 /// Sweeps 2 and 4 in one, tip -> base: x[k].T from a tip force F_c that is known already.
@@ -283,8 +327,11 @@ void sweep_compliance_and_velocities(const BasicArm<H>& arm, const Rates& thd,
   Compliance<typename H::Scalar> Omega;
   Vec<Motion, typename H::Scalar> eta;
   for (int k = arm.n(); k >= 1; --k) {
-    compliance_step(arm, arm[k].hinge, x, k, ground, Omega, eta, Unseen());  // (58), (67)
-    velocity_step(arm[k], arm[k].hinge, thd[k], V, x[k]);                    // (41), (47), (48)
+    if (k == arm.n())
+      compliance_at_base(arm, arm[k].hinge, x, ground, Omega, eta, Unseen());  // (58), (67)
+    else
+      compliance_step(arm, arm[k].hinge, x, k, ground, Omega, eta, Unseen());  // (58), (67)
+    velocity_step(arm[k], arm[k].hinge, thd[k], V, x[k]);                      // (41), (47), (48)
     if constexpr (in_link_frames<H>) x.tip = x.tip * arm[k].phi;
   }
   if constexpr (in_link_frames<H>) x.tip = x.tip * arm[0].phi;
@@ -296,20 +343,19 @@ void sweep_compliance_and_velocities(const BasicArm<H>& arm, const Rates& thd,
 /// accelerations x[k].thdd and the tip's acceleration alpha0. This is M^-1 = (1 - H psi K)* D^-1 (1 - H
 /// psi K) (51), row by row, O(n). alpha(k) contains a_g; alpha0 is the true one. moved: as for sweep 2.
 template <class H>
-void sweep_accelerations(const BasicArm<H>& arm, const Passes<H>& moved, const Ground<typename H::Scalar>& ground,
-                         Passes<H>& x) {
+void sweep_accelerations(const BasicArm<H>& arm, const Passes<H>& moved,
+                         const Ground<typename H::Scalar>& ground, Passes<H>& x) {
   static_assert(!in_link_frames<H>, "the tip's acceleration is wanted in the inertial frame");
   ++x.sweeps;
   auto alpha = ground.A;
-  for (int k = arm.n(); k >= 1; --k)
-    with_known_kind(arm[k].hinge, [&](const H& Hk) {
-      auto& [own_a, own_b, G, D, D_inverse, Hz, T0, T, thdd] = x[k];
-      alpha = arm[k].phi.T() * alpha;
-      const auto innovation =
-          D_inverse * (T0 - seeded(Fault::plant_innovation, Hz));            // (51): D^-1 (1 - H psi K)
-      thdd = innovation - seeded(Fault::plant_acceleration, G.T() * alpha);  // (51): (1 - H psi K)*
-      alpha = alpha + Hk.T() * seeded(Fault::plant_joint, thdd) + seeded(Fault::plant_bias, moved[k].a);
-    });
+  outward(arm, arm.n(), [&](int k, const H& Hk) {
+    auto& [own_a, own_b, G, D, D_inverse, Hz, T0, T, thdd] = x[k];
+    alpha = arm[k].phi.T() * alpha;
+    const auto innovation =
+        D_inverse * (T0 - seeded(Fault::plant_innovation, Hz));            // (51): D^-1 (1 - H psi K)
+    thdd = innovation - seeded(Fault::plant_acceleration, G.T() * alpha);  // (51): (1 - H psi K)*
+    alpha = alpha + Hk.T() * seeded(Fault::plant_joint, thdd) + seeded(Fault::plant_bias, moved[k].a);
+  });
   x.alpha0 = arm[0].phi.T() * alpha + seeded(Fault::plant_tip_bias, moved.a0) - ground.a_g;  // (8)
 }
 

@@ -1,5 +1,6 @@
-// Runs a sweep with every call in it inlined, where numbers live in registers. A function that returns an inertia
-// through memory costs more than its arithmetic; over fractions or counted numbers inlining only costs compile time.
+// Runs a sweep with every call in it inlined, where numbers live in registers. A function that returns an
+// inertia through memory costs more than its arithmetic; over fractions or counted numbers inlining only
+// costs compile time.
 #pragma once
 
 #include <concepts>

@@ -24,7 +24,9 @@ constexpr double far_from_singular = 1e3;
 // Whether a plant can take over placement and sweep 1 from the controller's sweeps; else it takes over
 // cosines and sines alone.
 template <class PlantDynamics, class Space>
-constexpr bool can_follow = requires(PlantDynamics& plant, const Space& space) { plant.follow(space); };
+constexpr bool can_follow = requires(PlantDynamics& plant, const Space& space) {
+  plant.follow(space);
+};
 
 /// Places and moves the plant where the controller's sweeps have been.
 template <class PlantDynamics, class Space>

@@ -39,13 +39,25 @@ template <Field S>
 constexpr Hinge<S> prismatic(const Vec3<S>& h) {
   return {HingeKind::prismatic, h};
 }
-/// work(H) with a copy of the hinge whose kind the compiler knows, so that its zero half costs nothing.
+/// A kind that the compiler knows, so that the zero half of such a hinge costs nothing.
+template <HingeKind kind>
+struct KnownKind {
+  template <Field S, ShiftMap Phi>
+  constexpr bool holds(const Hinge<S, Phi>& H) const {
+    return H.kind == kind;
+  }
+  /// A copy of a hinge for which holds() is true.
+  template <Field S, ShiftMap Phi>
+  constexpr Hinge<S, Phi> operator()(const Hinge<S, Phi>& H) const {
+    return {kind, H.h};
+  }
+};
 template <Field S, ShiftMap Phi, class Work>
 constexpr void with_known_kind(const Hinge<S, Phi>& H, const Work& work) {
   if (H.turns())
-    work(Hinge<S, Phi>{HingeKind::revolute, H.h});
+    work(KnownKind<HingeKind::revolute>());
   else
-    work(Hinge<S, Phi>{HingeKind::prismatic, H.h});
+    work(KnownKind<HingeKind::prismatic>());
 }
 
 template <Field S, ShiftMap Phi>
@@ -118,16 +130,25 @@ constexpr HingeInertia<S> operator*(const HingeTimesInertia<S, Phi>& HP, const S
 /// G(k), K(k+1,k): Force <- Torque (31), (32). G keeps the column P H* that it comes from.
 template <Field S>
 struct HingeGain {
-  Vec<Force, S> column, PH;
+  Vec<Force, S> column, PH{};
+  constexpr Star<HingeGain> T() const { return {*this}; }
+};
+/// Doubles have P H* still in registers where it is wanted again.
+template <>
+struct HingeGain<double> {
+  Vec<Force, double> column;
   constexpr Star<HingeGain> T() const { return {*this}; }
 };
 template <Field S>
 constexpr HingeGain<S> operator*(const InertiaTimesHinge<S>& PH, const HingeMobility<S>& Dinv) {
-  return {PH.column * Dinv.d, PH.column};
+  if constexpr (std::same_as<S, double>)
+    return {PH.column * Dinv.d};
+  else
+    return {PH.column * Dinv.d, PH.column};
 }
 template <ShiftMap Phi, Field S>
 constexpr HingeGain<S> operator*(const Phi& phi, const HingeGain<S>& G) {
-  return {phi * G.column, {}};
+  return {phi * G.column};
 }
 template <Field S>
 constexpr Vec<Force, S> operator*(const HingeGain<S>& G, const S& torque) {
@@ -174,8 +195,11 @@ constexpr Compliance<S> operator*(const HingeCompliance<S, Phi>& HD, const Hinge
 
 /// (1 - G H) P for G = P H* D^-1 with any D: P - G (H P), symmetric.
 template <Field S, ShiftMap Phi>
-constexpr Inertia<S> stripped(const Inertia<S>& P, const HingeGain<S>& G, const Hinge<S, Phi>&) {
-  return less_outer(P, G.column, seeded(Fault::strip_inertia, G.PH));
+constexpr Inertia<S> stripped(const Inertia<S>& P, const HingeGain<S>& G, const Hinge<S, Phi>& H) {
+  if constexpr (std::same_as<S, double>)
+    return less_outer(P, G.column, seeded(Fault::strip_inertia, (P * H.T()).column));
+  else
+    return less_outer(P, G.column, seeded(Fault::strip_inertia, G.PH));
 }
 /// (1 - G H)* X (1 - G H) = X - H* y* - y H + (G* y) H* H, with y = X G.
 template <Field S, ShiftMap Phi>
@@ -183,9 +207,8 @@ constexpr Compliance<S> stripped(const Compliance<S>& X, const HingeGain<S>& G, 
   const Vec<Motion, S> y = X * G.column;
   const Vec<Motion, S> r = seeded(Fault::strip_compliance, y);
   const Vec<Motion, S> t = seeded(Fault::strip_compliance, y - H.T() * dot(G.column, y));
-  if (H.turns())
-    return {X.J - symmetric_outer(H.h, r.ang) - symmetric_outer(t.ang, H.h), X.B - outer(H.h, r.lin), X.A};
-  return {X.J, X.B - outer(r.ang, H.h), X.A - symmetric_outer(H.h, r.lin) - symmetric_outer(t.lin, H.h)};
+  if (H.turns()) return {less_outers(X.J, H.h, r.ang, t.ang, H.h), X.B - outer(H.h, r.lin), X.A};
+  return {X.J, X.B - outer(r.ang, H.h), less_outers(X.A, H.h, r.lin, t.lin, H.h)};
 }
 
 }  // namespace osculate

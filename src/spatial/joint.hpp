@@ -154,9 +154,19 @@ struct Joint {
   constexpr Star<Joint> T() const { return {*this}; }
 };
 /// Nothing to know beforehand.
+struct UnknownKind {
+  template <class H>
+  constexpr bool holds(const H&) const {
+    return true;
+  }
+  template <class H>
+  constexpr const H& operator()(const H& joint) const {
+    return joint;
+  }
+};
 template <Field S, ShiftMap Phi, class Work>
-constexpr void with_known_kind(const Joint<S, Phi>& H, const Work& work) {
-  work(H);
+constexpr void with_known_kind(const Joint<S, Phi>&, const Work& work) {
+  work(UnknownKind());
 }
 template <Field S, ShiftMap Phi>
 constexpr Vec<Motion, S> operator*(const Star<Joint<S, Phi>>& H, const JointVector<S>& rate) {

@@ -60,11 +60,11 @@ struct Shift {
 };
 template <Field S>
 constexpr Vec<Force, S> operator*(const Shift<S>& phi, const Vec<Force, S>& f) {
-  return {f.ang + seeded(Fault::shift_force, cross(phi.l, f.lin)), f.lin};
+  return {plus_cross(f.ang, seeded(Fault::shift_force, phi.l), f.lin), f.lin};
 }
 template <Field S>
 constexpr Vec<Motion, S> operator*(const Star<Shift<S>>& phi, const Vec<Motion, S>& V) {
-  return {V.ang, V.lin + seeded(Fault::shift_motion, cross(V.ang, phi.map.l))};
+  return {V.ang, plus_cross(V.lin, V.ang, seeded(Fault::shift_motion, phi.map.l))};
 }
 
 /// phi(k+1,k) between link frames: the vectors of link k are resolved in its own axes, which R turns into

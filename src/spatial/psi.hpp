@@ -71,8 +71,8 @@ constexpr Vec<Motion, S> operator*(const Star<Psi<J>>& psi, const Vec<Motion, S>
   return moved - H.T() * (G.T() * moved);
 }
 
-/// psi P phi*, symmetric for the G that belongs to P: psi * P waits for phi.T(). Waiting products refer to their
-/// factors.
+/// psi P phi*, symmetric for the G that belongs to P: psi * P waits for phi.T(). Waiting products refer to
+/// their factors.
 template <JointMap H>
 struct PsiInertia {
   const Psi<H>& psi;
@@ -83,7 +83,8 @@ constexpr PsiInertia<H> operator*(const Psi<H>& psi, const Inertia<typename H::S
   return {psi, P};
 }
 template <JointMap J>
-constexpr Inertia<typename J::Scalar> operator*(const PsiInertia<J>& left, const Star<typename J::Shift>& phi) {
+constexpr Inertia<typename J::Scalar> operator*(const PsiInertia<J>& left,
+                                                const Star<typename J::Shift>& phi) {
   if (faulty(Fault::composite_inertia)) return carried(phi.map, left.P);
   return carried(phi.map, stripped(left.P, left.psi.G, left.psi.H));
 }

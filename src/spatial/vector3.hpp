@@ -54,6 +54,11 @@ constexpr Vec3<S> cross(const Vec3<S>& a, const Vec3<S>& b) {
   return seeded(Fault::spatial_cross,
                 Vec3<S>{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x});
 }
+/// sum + a x b
+template <Field S>
+constexpr Vec3<S> plus_cross(const Vec3<S>& sum, const Vec3<S>& a, const Vec3<S>& b) {
+  return sum + cross(a, b);
+}
 
 template <Field S>
 constexpr Mat3<S> operator+(const Mat3<S>& a, const Mat3<S>& b) {
@@ -129,6 +134,12 @@ template <Field S>
 constexpr Sym3<S> symmetric_outer(const Vec3<S>& a, const Vec3<S>& b) {
   return {a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.y, a.y * b.z, a.z * b.z};
 }
+/// A - (a b^T + c d^T) where that is symmetric by construction
+template <Field S>
+constexpr Sym3<S> less_outers(const Sym3<S>& A, const Vec3<S>& a, const Vec3<S>& b, const Vec3<S>& c,
+                              const Vec3<S>& d) {
+  return A - symmetric_outer(a, b) - symmetric_outer(c, d);
+}
 /// a a^T
 template <Field S>
 constexpr Sym3<S> square(const Vec3<S>& a) {
@@ -181,12 +192,14 @@ constexpr Mat3<S> plus_right_cross(const Mat3<S>& B, const Sym3<S>& A, const Vec
 }
 /// A - (C l~ + (B l~)^T) where that is symmetric by construction
 template <Field S>
-constexpr Sym3<S> less_right_cross_sum(const Sym3<S>& A, const Mat3<S>& C, const Mat3<S>& B, const Vec3<S>& l) {
+constexpr Sym3<S> less_right_cross_sum(const Sym3<S>& A, const Mat3<S>& C, const Mat3<S>& B,
+                                       const Vec3<S>& l) {
   return A - upper(cross(C, l) + transpose(cross(B, l)));
 }
 /// A - (l~ C + (l~ B)^T) where that is symmetric by construction
 template <Field S>
-constexpr Sym3<S> less_left_cross_sum(const Sym3<S>& A, const Mat3<S>& C, const Mat3<S>& B, const Vec3<S>& l) {
+constexpr Sym3<S> less_left_cross_sum(const Sym3<S>& A, const Mat3<S>& C, const Mat3<S>& B,
+                                      const Vec3<S>& l) {
   return A - upper(cross(l, C) + transpose(cross(l, B)));
 }
 /// A a + B b
@@ -196,7 +209,8 @@ constexpr Vec3<S> product_sum(const Sym3<S>& A, const Vec3<S>& a, const Mat3<S>&
 }
 /// A a + B^T b
 template <Field S>
-constexpr Vec3<S> transposed_product_sum(const Sym3<S>& A, const Vec3<S>& a, const Mat3<S>& B, const Vec3<S>& b) {
+constexpr Vec3<S> transposed_product_sum(const Sym3<S>& A, const Vec3<S>& a, const Mat3<S>& B,
+                                         const Vec3<S>& b) {
   return A * a + transposed_times(B, b);
 }
 /// Entry (i, j) of a symmetric matrix.

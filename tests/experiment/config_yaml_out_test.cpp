@@ -87,8 +87,8 @@ std::string words_of(const Experiment& e) {
       << static_cast<int>(e.model.choice.side_branches) << static_cast<int>(e.controller.law)
       << static_cast<int>(e.integrator.method) << static_cast<int>(e.verify.record) << e.verify.shadow
       << static_cast<int>(e.plant.dynamics) << static_cast<int>(e.controller.textbook) << e.verify.poles
-      << e.controller.feedforward << static_cast<int>(e.controller.effort_limit)
-      << e.plant.share_kinematics << e.controller.compensate_friction << e.controller.compensate_tip_force
+      << e.controller.feedforward << static_cast<int>(e.controller.effort_limit) << e.plant.share_kinematics
+      << e.controller.compensate_friction << e.controller.compensate_tip_force
       << static_cast<int>(e.controller.orientation) << static_cast<int>(e.controller.position) << '|'
       << e.expect.stop << '|';
   for (const auto& id : e.expect.fails) out << id << ',';

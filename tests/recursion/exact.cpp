@@ -156,7 +156,7 @@ TEST_CASE("section 4.3 as printed, without a_g on the right of (68), is wrong by
     Passes<Hinge<Q>> x(n);
     sweep_velocities(placed, TipFirst<Q>{arm.qd.data(), n}, builder.ground(), x);
     sweep_articulated(placed, x, builder.ground(), {}, x);  // a(n) + phi*(n+1,n) a_g
-    sweep_compliance(placed, builder.ground(), {}, x);                   // nothing added at the tip
+    sweep_compliance(placed, builder.ground(), {}, x);      // nothing added at the tip
     const TaskRows rows = independent_rows(x.Omega0);
     const TaskFactor<Q> factor(x.Omega0, rows);
     const Vector printed = plain(factor.solve(restricted(x.eta0, rows)), rows);

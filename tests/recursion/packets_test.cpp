@@ -12,11 +12,6 @@
 
 using namespace osculate;
 
-namespace osculate {
-/// Turning joint axes into z (aligned.hpp) chooses by the value, as for a double.
-double first_lane(const Dual<double>& x) { return x.value; }
-}  // namespace osculate
-
 namespace {
 
 using Array = MatrixX<double>;
