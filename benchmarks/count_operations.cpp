@@ -38,8 +38,7 @@ its arithmetic. A test counts again and compares with this page.
 code executes them. Copies, comparisons and absolute values are free. No recursion takes a square root, and cosines
 and sines are given. What a type knows to be zero is not multiplied: half of H(k), the shape of phi, the symmetry of P
 and Omega. A zero that only turns up at run time (armature 0, a base at rest, an axis along z) is multiplied like any
-other number, so a count depends on the number of links and the kinds of joints alone. A compiler may do less: the
-constant 1/2 counts as a division, once in sweep 2 and once in sweep 3 for each link.
+other number, so a count depends on the number of links and the kinds of joints alone.
 
 **The chains** have n identical links of generic shape, with armature. Every law in n below is exact for each n from
 1 to )"

@@ -230,12 +230,12 @@ const std::vector<Recursion<S>>& recursions() {
        [](const T& t) {
          return Sides<S>{t.swept.torque.null_space, in::null_space_torque(t)};
        }},
-      {"(2)", "the same with a known wrench on the tip: z(0) = -F", "begin_articulation",
+      {"(2)", "the same with a known wrench on the tip: z(0) = -F", "sweep_articulated",
        [](const T& t) {
          const Operator<S> none = MatrixX<S>(MatrixX<S>::Zero(t.T0.rows(), 1));
          return Sides<S>{t.swept.torque.known_force, in::torque(t, none, t.push)};
        }},
-      {"section 2", "the same on a base that moves as prescribed", "with_ground",
+      {"section 2", "the same on a base that moves as prescribed", "bias_with_ground",
        [](const T& t) {
          const Operator<S> J = t.rows * t.J_moving;
          const Operator<S> right = t.u + J * (t.M_inv_moving * t.C_moving) - t.rows * t.Jdot_moving;

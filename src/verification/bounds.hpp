@@ -13,17 +13,17 @@ struct MeasuredBound {
 };
 inline constexpr unsigned long measured_states = 100000;
 inline constexpr std::array<MeasuredBound, 11> measured_bounds{{
-    {"omega", 59.2, 23.7, 92017},
-    {"lambda", 3.86, 1.54, 48764},
-    {"c", 3.44, 1.37, 77705},
-    {"g", 1.24, 0.498, 75764},
-    {"c_plus_g", 1.14, 0.455, 76689},
-    {"torque", 1.08, 0.432, 25800},
-    {"forward_dynamics", 128, 51.4, 25112},
-    {"linearization", 2.15, 0.861, 11240},
-    {"kinematics", 28.7, 11.5, 92850},
-    {"null_space", 0.179, 0.0717, 17816},
-    {"coordinates", 3.19, 1.28, 9572},
+    {"omega", 1.47e+03, 587, 76231},
+    {"lambda", 16.1, 6.45, 76231},
+    {"c", 2.51, 1, 77705},
+    {"g", 1.21, 0.482, 17532},
+    {"c_plus_g", 1.29, 0.515, 17532},
+    {"torque", 0.928, 0.371, 71840},
+    {"forward_dynamics", 258, 103, 71838},
+    {"linearization", 2.86, 1.14, 40529},
+    {"kinematics", 33.9, 13.6, 13751},
+    {"null_space", 0.123, 0.0493, 4545},
+    {"coordinates", 4.19, 1.68, 7013},
 }};
 
 }  // namespace osculate

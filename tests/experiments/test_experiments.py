@@ -14,7 +14,7 @@ EXPERIMENTS = {file.stem: file.read_text() for file in sorted(FOLDER.glob("*.yam
 SHORT = 0.2  # s: arm, law and tolerances stay, only the duration shrinks
 # What an experiment shows may take longer: a stop, a touch, a passage, a limit, a settled response.
 LONGER = {
-    "puma560_gimbal_lock": 2, "puma560_singular": 4, "puma560_wrist_none": 1.5,
+    "puma560_gimbal_lock": 3, "puma560_singular": 4, "puma560_wrist_none": 1.5,
     "puma560_wrist_damped": 1.6, "puma560_wrist_truncated": 1.6, "puma560_wrist_released": 1.6,
     "puma560_wrist_rest": 2, "puma560_elbow_damped": 3.6, "puma560_shoulder_released": 2.2,
     "puma560_touch": 1.9, "puma560_ball": 1.5, "puma560_force": 1, "puma560_impedance": 1, "puma560_obstacle": 2,

@@ -179,6 +179,7 @@ TEST_CASE("every file of models/ loads; names, masses and zero poses are as its 
       {"prismatic_arm.urdf", "tool0", 6, 1, 19.1, {0, 0.25, 1.18}},
       {"puma560.urdf", "tool0", 6, 0, 23.45, {0.4521, -0.15005, 1.10363}},
       {"puma560_akb86.urdf", "tool0", 6, 0, 23.45, {0.4115, 0.1501, 0.4331}},
+      {"ur5e_like.urdf", "tool0", 6, 0, 17.7, {-0.8172, -0.2329, 0.0628}},
   };
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(std::string(OSCULATE_SOURCE_DIR) + "/models"))

@@ -11,8 +11,8 @@ import textwrap
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EQUATIONS = 74
 
-IDENTITIES, RELATIONS, OPERATORS, DENSE = (
-    f"src/reference/{name}.hpp" for name in ("identities", "operator_relations", "operators", "dense"))
+IDENTITIES, RELATIONS, OPERATORS, DENSE, PLACES = (
+    f"src/reference/{name}.hpp" for name in ("identities", "operator_relations", "operators", "dense", "places"))
 ARM, SWEEPS, SPACE, RESOLVED, PLANT, TASK = (
     f"src/recursion/{name}.hpp"
     for name in ("arm", "sweeps", "operational_space", "resolved_acceleration", "forward_dynamics", "task"))
@@ -92,7 +92,7 @@ BY_HAND = [
     (7, "beta = J thd", DENSE, "kinematics", "kinematics"),
     (8, "beta_dot = J thdd + Jdot thd", DENSE, "kinematics", "kinematics"),
     (8, "solved for thdd", RESOLVED, "solve_square", "proof, alike"),
-    (9, "beta = (omega; xdot) of the tip, angular rows first", DENSE, "point_motion", "kinematics"),
+    (9, "beta = (omega; xdot) of the tip, angular rows first", PLACES, "point_motion", "kinematics"),
     (9, "spaces of such vectors", MAP, "Motion", "shifts"),
     (10, "beta_dot + J M^-1 (C + G) - Jdot thd = J M^-1 T", DENSE, "mobility", "six links"),
     (11, "Omega(0) = J M^-1 J*", DENSE, "mobility", "six links, sweeps"),
@@ -114,7 +114,7 @@ BY_HAND = [
     (21, "B* = [phi*(1,0), 0, ..., 0]", OPERATORS, "fill_geometry", "proof"),
     (21, "B* of a vector", SWEEPS, "velocity_at_tip", "proof"),
     (22, "E = [0, ..., 0, phi(n+1,n)]", OPERATORS, "fill_geometry", "proof"),
-    (22, "a + E* a_g", SWEEPS, "with_ground", "proof"),
+    (22, "a + E* a_g", SWEEPS, "bias_with_ground", "proof"),
     (23, "phi by forward substitution", OPERATORS, "propagated", "proof"),
     *[(n, f"{symbol} as a matrix", OPERATORS, "fill_articulated", "proof")
       for n, symbol in ((24, "P"), (25, "D"), (26, "G"), (27, "K"), (28, "E_psi"))],
@@ -174,7 +174,7 @@ MISPRINTS = [
     ("(17)", "H* is 6n x 6n", "6n x n; 6n x m with m joint velocities", OPERATORS, "fill_geometry", ""),
     ("text after (18), (19)", "l~ is a three-vector", "l is; l~ is the 3 x 3 matrix of l x", MAP, "Shift", ""),
     ("text after (33)", "(33) holds from k = 1", "psi(1,0) = phi(1,0): link 0 has no joint", SWEEPS,
-     "begin_articulation", ""),
+     "sweep_articulated", ""),
     ("text after (40)", "phi takes H* thd to V", "phi* does", SWEEPS, "velocity_step", "proof"),
     ("(46)", "J thd on the left", "Jdot thd", RESOLVED, "ResolvedAcceleration::sweep", "proof"),
     ("text before (60)", "derived from (11), (51), (52)", "from (11), (38), (51), (53)", IDENTITIES,

@@ -25,7 +25,10 @@ TEST_CASE("Omega is positive semidefinite, Lambda symmetric, every D(k) positive
   for_arms([&](Case t) {
     const Sides s = sides_of(t.arm);
     CHECK(s.D.minCoeff() > 0);
-    const Vector d = s.Omega.diagonal().cwiseSqrt().cwiseInverse();
+    // Rounding in Omega is relative to the largest entry of its block, angular or linear (docs/claims.md).
+    Vector d(6);
+    d << Vector::Constant(3, 1 / std::sqrt(s.Omega.diagonal().head(3).maxCoeff())),
+        Vector::Constant(3, 1 / std::sqrt(s.Omega.diagonal().tail(3).maxCoeff()));
     const Matrix scaled = d.asDiagonal() * s.Omega * d.asDiagonal();
     const double least = eigenvalues(scaled)[0];
     negative.see(std::max(0.0, -least), 1, t.which);
