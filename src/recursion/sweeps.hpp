@@ -123,6 +123,7 @@ constexpr void articulate(const ArmLink<H>& link, const H& Hk, Inertia<typename 
   x.D = Hk * P * Hk.T() + link.J;                   // (30)
   x.D_inverse = inverse(x.D);
   x.G = P * Hk.T() * x.D_inverse;  // (31)
+  x.G.D = x.D;
 }
 /// P(k) as link k+1 feels it.
 template <class H>

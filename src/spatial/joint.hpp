@@ -133,10 +133,11 @@ constexpr Symmetric<Space, S> weighted_square(const Columns<Space, S>& A, const 
   return twice_outer(A, AD);
 }
 
-/// G(k), K(k+1,k): Force <- Torque. G keeps the columns P H* that it comes from.
+/// G(k), K(k+1,k): Force <- Torque. G(k) keeps the columns P H* that it comes from and, once it is set, D(k).
 template <Field S>
 struct JointGain {
   Columns<Force, S> columns, PH;
+  JointInertia<S> D{};
   constexpr Star<JointGain> T() const { return {*this}; }
 };
 
@@ -221,11 +222,11 @@ constexpr JointInertia<S> operator*(const JointTimesInertia<S, Phi>& HP, const S
 }
 template <Field S>
 constexpr JointGain<S> operator*(const InertiaTimesJoint<S>& PH, const JointInertia<S>& Dinv) {
-  return {PH.columns * Dinv, PH.columns};
+  return {PH.columns * Dinv, PH.columns, {}};
 }
 template <ShiftMap Phi, Field S>
 constexpr JointGain<S> operator*(const Phi& phi, const JointGain<S>& G) {
-  JointGain<S> out{{G.columns.m, {}}, {}};
+  JointGain<S> out{{G.columns.m, {}}, {}, {}};
   for (int i = 0; i < G.columns.m; ++i) out.columns[i] = phi * G.columns[i];
   return out;
 }
@@ -271,11 +272,15 @@ constexpr Compliance<S> operator*(const JointCompliance<S, Phi>& HD, const Joint
   return weighted_square(H.axes, HD.Dinv);
 }
 
-/// (1 - G H) P for G = P H* D^-1 with any D: P - G (H P), symmetric as a whole.
+/// (1 - G H) P for G = P H* D^-1 with any D: P - G (H P) - (P H* - G D) G*, symmetric as a whole; see
+/// hinge.hpp.
 template <Field S, ShiftMap Phi>
 constexpr Inertia<S> stripped(Inertia<S> P, const JointGain<S>& G, const Joint<S, Phi>&) {
-  for (int i = 0; i < G.columns.m; ++i)
+  const Columns<Force, S> GD = G.columns * G.D;
+  for (int i = 0; i < G.columns.m; ++i) {
     P = less_outer(P, G.columns[i], seeded(Fault::joint_strip_inertia, G.PH[i]));
+    P = less_outer(P, G.PH[i] - GD[i], G.columns[i]);
+  }
   return P;
 }
 /// (1 - G H)* X (1 - G H) = X - H* (G* X) - (X G) H + H* (G* X G) H.

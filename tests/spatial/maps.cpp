@@ -329,7 +329,8 @@ TEMPLATE_TEST_CASE("psi = phi (1 - G H) acts and moves inertias and compliances 
     const auto D = H * P * H.T();
     // Without armature H G = 1, with it H G = 1 - J/D, and with a D that has nothing to do with P anything.
     for (const auto& weight : {D, D + HingeInertia<S>{S(4)}, HingeInertia<S>{S(3)}}) {
-      const auto G = P * H.T() * inverse(weight);
+      auto G = P * H.T() * inverse(weight);
+      G.D = weight;
       const auto psi = phi * (one - G * H);
       const auto Y = plain(phi) * (identity<S>(6) - plain(G * S(1)) * h.T());
       same(plain(psi * f), Y * plain(f));
@@ -346,7 +347,9 @@ TEST_CASE("psi P phi* is the psi P psi* + K J K* of (37) with armature, exactly"
     const auto P = definite<Force, Q>(random);
     const Shift<Q> phi{vec3<Q>(random)};
     for (const HingeInertia<Q>& J : {HingeInertia<Q>{Q(0)}, HingeInertia<Q>{Q(4)}}) {
-      const auto G = P * H.T() * inverse(H * P * H.T() + J);
+      const auto D = H * P * H.T() + J;
+      auto G = P * H.T() * inverse(D);
+      G.D = D;
       const auto K = phi * G;
       const auto psi = phi * (one - G * H);
       const auto Y = plain(phi) * (identity<Q>(6) - plain(G * Q(1)) * h.T());
