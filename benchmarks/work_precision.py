@@ -19,7 +19,7 @@ from style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION  # no
 
 PAGE = SOURCE / "docs/work-precision.md"
 DATA = SOURCE / "docs/work-precision.csv"
-PICTURE = SOURCE / "docs/pictures/work_precision.png"
+PICTURE = SOURCE / "docs/work-precision.png"
 PROBLEMS = {"ur5e_circle": "UR5e-like arm, circle, 10 s", "puma560_circle": "PUMA 560, circle, 10 s",
             "free_swing": "PUMA 560, free swing, 3 s", "contact": "PUMA 560 on a stiff table, 4 s"}
 SETTINGS = {"adams": (BLUE, "o"), "adams, order <= 5": (SKY, "v"), "adams, CVODE's own corrector": (BLACK, "x"),
