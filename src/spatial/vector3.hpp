@@ -1,5 +1,6 @@
 // Three-vectors and 3 x 3 matrices over any Field, as plain structs: no heap, no comparison, no expression
-// templates. For doubles vector3_avx.hpp has the same functions on AVX registers, where the build allows it.
+// templates. For doubles vector3_avx.hpp has the same functions on AVX registers, where the build allows it;
+// vector3_packet.hpp has constants for packets.
 #pragma once
 
 #include <utility>
@@ -138,7 +139,8 @@ constexpr Sym3<S> symmetric_outer(const Vec3<S>& a, const Vec3<S>& b) {
 template <Field S>
 constexpr Sym3<S> less_outers(const Sym3<S>& A, const Vec3<S>& a, const Vec3<S>& b, const Vec3<S>& c,
                               const Vec3<S>& d) {
-  return A - symmetric_outer(a, b) - symmetric_outer(c, d);
+  return {A.xx - a.x * b.x - c.x * d.x, A.xy - a.x * b.y - c.x * d.y, A.xz - a.x * b.z - c.x * d.z,
+          A.yy - a.y * b.y - c.y * d.y, A.yz - a.y * b.z - c.y * d.z, A.zz - a.z * b.z - c.z * d.z};
 }
 /// a a^T
 template <Field S>
@@ -180,38 +182,66 @@ template <Field S>
 constexpr Sym3<S> plus_diagonal(const Sym3<S>& A, const S& m) {
   return {A.xx + m, A.xy, A.xz, A.yy + m, A.yz, A.zz + m};
 }
+// The sums below are written entry by entry, one product at a time, so that each product and its sum is one
+// fused operation where the processor has such.
 /// B + l~ A
 template <Field S>
 constexpr Mat3<S> plus_left_cross(const Mat3<S>& B, const Vec3<S>& l, const Sym3<S>& A) {
-  return B + cross(l, full(A));
+  return {
+      {B.x.x + l.y * A.xz - l.z * A.xy, B.x.y + l.y * A.yz - l.z * A.yy, B.x.z + l.y * A.zz - l.z * A.yz},
+      {B.y.x + l.z * A.xx - l.x * A.xz, B.y.y + l.z * A.xy - l.x * A.yz, B.y.z + l.z * A.xz - l.x * A.zz},
+      {B.z.x + l.x * A.xy - l.y * A.xx, B.z.y + l.x * A.yy - l.y * A.xy, B.z.z + l.x * A.yz - l.y * A.xz}};
 }
 /// B + A l~
 template <Field S>
 constexpr Mat3<S> plus_right_cross(const Mat3<S>& B, const Sym3<S>& A, const Vec3<S>& l) {
-  return B + cross(full(A), l);
+  return {
+      {B.x.x + A.xy * l.z - A.xz * l.y, B.x.y + A.xz * l.x - A.xx * l.z, B.x.z + A.xx * l.y - A.xy * l.x},
+      {B.y.x + A.yy * l.z - A.yz * l.y, B.y.y + A.yz * l.x - A.xy * l.z, B.y.z + A.xy * l.y - A.yy * l.x},
+      {B.z.x + A.yz * l.z - A.zz * l.y, B.z.y + A.zz * l.x - A.xz * l.z, B.z.z + A.xz * l.y - A.yz * l.x}};
 }
 /// A - (C l~ + (B l~)^T) where that is symmetric by construction
 template <Field S>
 constexpr Sym3<S> less_right_cross_sum(const Sym3<S>& A, const Mat3<S>& C, const Mat3<S>& B,
                                        const Vec3<S>& l) {
-  return A - upper(cross(C, l) + transpose(cross(B, l)));
+  return {A.xx - C.x.y * l.z + C.x.z * l.y - B.x.y * l.z + B.x.z * l.y,
+          A.xy - C.x.z * l.x + C.x.x * l.z - B.y.y * l.z + B.y.z * l.y,
+          A.xz - C.x.x * l.y + C.x.y * l.x - B.z.y * l.z + B.z.z * l.y,
+          A.yy - C.y.z * l.x + C.y.x * l.z - B.y.z * l.x + B.y.x * l.z,
+          A.yz - C.y.x * l.y + C.y.y * l.x - B.z.z * l.x + B.z.x * l.z,
+          A.zz - C.z.x * l.y + C.z.y * l.x - B.z.x * l.y + B.z.y * l.x};
 }
 /// A - (l~ C + (l~ B)^T) where that is symmetric by construction
 template <Field S>
 constexpr Sym3<S> less_left_cross_sum(const Sym3<S>& A, const Mat3<S>& C, const Mat3<S>& B,
                                       const Vec3<S>& l) {
-  return A - upper(cross(l, C) + transpose(cross(l, B)));
+  return {A.xx - l.y * C.z.x + l.z * C.y.x - l.y * B.z.x + l.z * B.y.x,
+          A.xy - l.y * C.z.y + l.z * C.y.y - l.z * B.x.x + l.x * B.z.x,
+          A.xz - l.y * C.z.z + l.z * C.y.z - l.x * B.y.x + l.y * B.x.x,
+          A.yy - l.z * C.x.y + l.x * C.z.y - l.z * B.x.y + l.x * B.z.y,
+          A.yz - l.z * C.x.z + l.x * C.z.z - l.x * B.y.y + l.y * B.x.y,
+          A.zz - l.x * C.y.z + l.y * C.x.z - l.x * B.y.z + l.y * B.x.z};
 }
 /// A a + B b
 template <Field S>
 constexpr Vec3<S> product_sum(const Sym3<S>& A, const Vec3<S>& a, const Mat3<S>& B, const Vec3<S>& b) {
-  return A * a + B * b;
+  return {A.xx * a.x + A.xy * a.y + A.xz * a.z + B.x.x * b.x + B.x.y * b.y + B.x.z * b.z,
+          A.xy * a.x + A.yy * a.y + A.yz * a.z + B.y.x * b.x + B.y.y * b.y + B.y.z * b.z,
+          A.xz * a.x + A.yz * a.y + A.zz * a.z + B.z.x * b.x + B.z.y * b.y + B.z.z * b.z};
 }
 /// A a + B^T b
 template <Field S>
 constexpr Vec3<S> transposed_product_sum(const Sym3<S>& A, const Vec3<S>& a, const Mat3<S>& B,
                                          const Vec3<S>& b) {
-  return A * a + transposed_times(B, b);
+  return {A.xx * a.x + A.xy * a.y + A.xz * a.z + B.x.x * b.x + B.y.x * b.y + B.z.x * b.z,
+          A.xy * a.x + A.yy * a.y + A.yz * a.z + B.x.y * b.x + B.y.y * b.y + B.z.y * b.z,
+          A.xz * a.x + A.yz * a.y + A.zz * a.z + B.x.z * b.x + B.y.z * b.y + B.z.z * b.z};
+}
+/// A + a b^T where that is symmetric by construction
+template <Field S>
+constexpr Sym3<S> plus_outer(const Sym3<S>& A, const Vec3<S>& a, const Vec3<S>& b) {
+  return {A.xx + a.x * b.x, A.xy + a.x * b.y, A.xz + a.x * b.z,
+          A.yy + a.y * b.y, A.yz + a.y * b.z, A.zz + a.z * b.z};
 }
 /// Entry (i, j) of a symmetric matrix.
 template <Field S>
@@ -245,7 +275,7 @@ constexpr Vec3<S> operator*(const Axes<S>& e, const Coefficients<S>& v) {
 }
 template <Field S>
 constexpr Vec3<S> operator*(const Axes<S>& e, const Vec3<S>& v) {
-  return e * Coefficients<S>(v);
+  return e.x * v.x + e.y * v.y + e.z * v.z;
 }
 /// The axes of a body that is turned by R against e.
 template <Field S>
@@ -269,17 +299,20 @@ constexpr Axes<S> inverse(const Axes<S>& e) {
 }
 /// A symmetric matrix given along the axes.
 template <Field S>
-constexpr Sym3<S> turned(const Axes<S>& e, const SymmetricCoefficients<S>& along) {
-  const Sym3<S>& a = along.entries;
+constexpr Sym3<S> turned(const Axes<S>& e, const Sym3<S>& a) {
   const Vec3<S> p = e.x * a.xx + e.y * a.xy + e.z * a.xz;
   const Vec3<S> q = e.x * a.xy + e.y * a.yy + e.z * a.yz;
   const Vec3<S> r = e.x * a.xz + e.y * a.yz + e.z * a.zz;
-  return seeded(Fault::spatial_turn,
-                symmetric_outer(e.x, p) + symmetric_outer(e.y, q) + symmetric_outer(e.z, r));
+  return seeded(Fault::spatial_turn, plus_outer(plus_outer(symmetric_outer(e.x, p), e.y, q), e.z, r));
+}
+template <Field S>
+constexpr Sym3<S> turned(const Axes<S>& e, const SymmetricCoefficients<S>& along) {
+  return turned(e, along.entries);
 }
 
 }  // namespace osculate
 
+#include "spatial/vector3_packet.hpp"
 #if defined(__AVX2__) && defined(__FMA__)
 #include "spatial/vector3_avx.hpp"
 #endif
