@@ -296,8 +296,8 @@ RecursiveTerms Controller::terms_of(Sweeps& space, std::span<const double> qd) c
   out.Omega.resize(6, 6);
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 6; ++j) out.Omega(i, j) = component(space.Omega(), i, j);
-  const TaskFactor<double> Omega(space.Omega(), options_.rows);
-  if (TaskInverse(space.Omega(), options_.rows).lost(pivot_floor) >= 0) return out;
+  const TaskInverse Omega(space.Omega(), options_.rows);
+  if (Omega.lost(pivot_floor) >= 0) return out;
   out.Lambda.resize(m, m);
   for (Eigen::Index j = 0; j < m; ++j) {
     TaskVector<double> unit{};

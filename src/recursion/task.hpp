@@ -2,8 +2,10 @@
 // F solves Omega F = u + rhs; Lambda, c and g come from the same factor.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <span>
 #include <vector>
 
 #include "recursion/sweeps.hpp"
@@ -14,7 +16,7 @@ namespace osculate {
 using TaskRows = std::vector<int>;
 inline TaskRows all_rows() { return {0, 1, 2, 3, 4, 5}; }
 /// All six in their own order: nothing has to be looked up.
-inline bool are_all_rows(const TaskRows& rows) {
+inline bool are_all_rows(std::span<const int> rows) {
   static constexpr int order[] = {0, 1, 2, 3, 4, 5};
   return rows.size() == 6 && std::memcmp(rows.data(), order, sizeof order) == 0;
 }
@@ -51,7 +53,7 @@ template <Field S>
 using TaskVector = std::array<S, 6>;
 
 template <Field S>
-TaskVector<S> restricted(const Vec<Motion, S>& v, const TaskRows& rows) {
+TaskVector<S> restricted(const Vec<Motion, S>& v, std::span<const int> rows) {
   if (are_all_rows(rows)) return {v.ang.x, v.ang.y, v.ang.z, v.lin.x, v.lin.y, v.lin.z};
   TaskVector<S> out{};
   for (std::size_t i = 0; i < rows.size(); ++i) out[i] = component(v, rows[i]);
@@ -60,112 +62,165 @@ TaskVector<S> restricted(const Vec<Motion, S>& v, const TaskRows& rows) {
 
 /// S^T F: the wrench with the given components on the task rows and none elsewhere.
 template <Field S>
-Vec<Force, S> wrench(const TaskVector<S>& F, const TaskRows& rows) {
+Vec<Force, S> wrench(const TaskVector<S>& F, std::span<const int> rows) {
   if (are_all_rows(rows)) return {{F[0], F[1], F[2]}, {F[3], F[4], F[5]}};
   Vec<Force, S> f;
   for (std::size_t i = 0; i < rows.size(); ++i) component(f, rows[i]) = F[i];
   return f;
 }
 
+/// A = L D L^T of a symmetric 3 x 3 block, L unit lower triangular. The last pivot divides nothing here: it
+/// may be zero.
+template <Field S>
+struct BlockFactor {
+  S yx, zx, zy;  // L below its diagonal
+  S dx, dy, dz;  // D
+  S ix, iy;      // 1 / dx, 1 / dy
+  BlockFactor() = default;
+  constexpr explicit BlockFactor(const Sym3<S>& A)
+      : dx(entry(A, 0, 0)), dy(entry(A, 1, 1)), dz(entry(A, 2, 2)) {
+    const S x = entry(A, 0, 1), y = entry(A, 0, 2);
+    ix = S(1) / dx;
+    yx = x * ix;
+    zx = y * ix;
+    dy = dy - x * yx;
+    const S z = entry(A, 1, 2) - y * yx;
+    iy = S(1) / dy;
+    zy = z * iy;
+    dz = dz - y * zx - z * zy;
+  }
+  /// L^-1 rows
+  template <class T>
+  constexpr void forward(const T& x, T& y, T& z) const {
+    y = y - x * yx;
+    z = z - x * zx - y * zy;
+  }
+  /// L^-T rows
+  template <class T>
+  constexpr void backward(T& x, T& y, const T& z) const {
+    y = y - z * zy;
+    x = x - y * yx - z * zx;
+  }
+};
+
 /// L D L^T of S Omega(0) S^T without pivoting: field operations only, no square root. Backward stable because
 /// Omega is positive definite; a pivot that is not positive means that the arm has lost rank in these rows,
-/// which the caller must look at (`pivots`), since a Field cannot compare.
+/// which the caller must look at (`pivots`), since a Field cannot compare. In blocks of three rows:
+///   | J   B |   | L1    |  | D1    |  | L1*  C |
+///   | B*  A | = | C* L2 |  |    D2 |  |    L2* |
+/// Fewer than six rows stand after as many of the unit matrix as are missing: the last row given is the last
+/// of all.
 template <Field S>
 class TaskFactor {
  public:
-  TaskFactor(const Compliance<S>& Omega, const TaskRows& rows) : m_(static_cast<int>(rows.size())) {
+  TaskFactor(const Compliance<S>& Omega, std::span<const int> rows) : m_(static_cast<int>(rows.size())) {
     if (are_all_rows(rows))
-      factor([&](int i, int j) { return component(Omega, i, j); });
+      factor(Omega);
     else
       factor_chosen(Omega, rows);
   }
 
   int size() const { return m_; }
   /// Diagonal of D; entries from size() on are unused.
-  const TaskVector<S>& pivots() const { return pivots_; }
+  TaskVector<S> pivots() const {
+    const TaskVector<S> all = {upper_.dx, upper_.dy, upper_.dz, lower_.dx, lower_.dy, lower_.dz};
+    return m_ == 6 ? all : moved_to_start(all);
+  }
 
+  /// The wrench F on the task rows, none elsewhere, with S Omega F = S right.
+  Vec<Force, S> solve(const Vec<Motion, S>& right) const {
+    return m_ == 6 ? solved(right) : wrench(solve(restricted(right, rows())), rows());
+  }
   /// Omega^-1 right. Entries of `right` from size() on must be zero.
   TaskVector<S> solve(const TaskVector<S>& right) const {
-    if (m_ == 6) return solved(right);
-    const auto m = static_cast<std::size_t>(m_);
-    TaskVector<S> padded{}, out{};
-    for (std::size_t i = 0; i < m; ++i) padded[6 - m + i] = right[i];
-    padded = solved(padded);
-    for (std::size_t i = 0; i < m; ++i) out[i] = padded[6 - m + i];
-    return out;
+    const auto solved_list = [this](const TaskVector<S>& x) {
+      const auto [f, l] = solved({{x[0], x[1], x[2]}, {x[3], x[4], x[5]}});
+      return TaskVector<S>{f.x, f.y, f.z, l.x, l.y, l.z};
+    };
+    return m_ == 6 ? solved_list(right) : moved_to_start(solved_list(moved_to_end(right)));
+  }
+
+  /// trace(W Omega^-1 W) for the squares w^2 of the diagonal of W: (L^-1 W)* D^-1 (L^-1 W), a sum of squares
+  /// over pivots. Entries from size() on must be zero. About 90 operations.
+  S inverse_trace(const TaskVector<S>& w2) const {
+    const auto [a, b, c, d, e, f] = m_ == 6 ? w2 : moved_to_end(w2);
+    const S yx = -upper_.yx, zy = -upper_.zy, zx = upper_.yx * upper_.zy - upper_.zx;  // of L1^-1
+    const S in_upper = a * upper_.ix + (a * yx * yx + b) * upper_.iy + (a * zx * zx + b * zy * zy + c) * iz_;
+    // rows of C* L1^-1, then of L2^-1 C* L1^-1
+    Vec3<S> x = Cx_, y = Cy_;
+    upper_.backward(x, y, Cz_);
+    const Mat3<S> rows = transpose(Mat3<S>{x, y, Cz_});
+    Vec3<S> X = rows.x, Y = rows.y, Z = rows.z;
+    lower_.forward(X, Y, Z);
+    const S yx2 = -lower_.yx, zy2 = -lower_.zy, zx2 = lower_.yx * lower_.zy - lower_.zx;  // of L2^-1
+    const auto squares = [&](const Vec3<S>& v) { return a * v.x * v.x + b * v.y * v.y + c * v.z * v.z; };
+    return in_upper + (squares(X) + d) * lower_.ix + (squares(Y) + d * yx2 * yx2 + e) * lower_.iy +
+           (squares(Z) + d * zx2 * zx2 + e * zy2 * zy2 + f) / lower_.dz;
   }
 
  private:
   using Square = std::array<TaskVector<S>, 6>;
 
-  TaskVector<S> solved(TaskVector<S> y) const {
-#pragma GCC unroll 6
-    for (int i = 0; i < 6; ++i)
-#pragma GCC unroll 6
-      for (int p = 0; p < i; ++p) y[i] = y[i] - L_[i][p] * y[p];
-#pragma GCC unroll 6
-    for (int i = 0; i < 5; ++i) y[i] = y[i] * inverse_pivots_[i];
-    y[5] = y[5] / last_pivot_;
-#pragma GCC unroll 6
-    for (int i = 5; i >= 0; --i)
-#pragma GCC unroll 6
-      for (int p = i + 1; p < 6; ++p) y[i] = y[i] - L_[p][i] * y[p];
-    return y;
+  constexpr Vec<Force, S> solved(const Vec<Motion, S>& right) const {
+    S a = right.ang.x, b = right.ang.y, c = right.ang.z;
+    upper_.forward(a, b, c);
+    const Vec3<S> below = right.lin - (Cx_ * a + Cy_ * b + Cz_ * c);
+    S d = below.x, e = below.y, f = below.z;
+    lower_.forward(d, e, f);
+    d = d * lower_.ix, e = e * lower_.iy, f = f / lower_.dz;
+    lower_.backward(d, e, f);
+    const Vec3<S> linear{d, e, f};
+    a = a * upper_.ix - dot(Cx_, linear);
+    b = b * upper_.iy - dot(Cy_, linear);
+    c = c * iz_ - dot(Cz_, linear);
+    upper_.backward(a, b, c);
+    return {{a, b, c}, linear};
   }
 
   // Apart, so that the usual case stays small enough to be inlined.
-  [[gnu::noinline]] void factor_chosen(const Compliance<S>& Omega, const TaskRows& rows) {
-    const Square A = chosen(entries(Omega), rows);
-    factor([&](int i, int j) { return A[i][j]; });
-    const auto padding = static_cast<std::size_t>(6 - m_);
-    for (std::size_t i = 0; i + padding < 6; ++i) pivots_[i] = pivots_[i + padding];
-  }
-  static Square entries(const Compliance<S>& Omega) {
-    Square out;
-#pragma GCC unroll 6
-    for (int i = 0; i < 6; ++i)
-#pragma GCC unroll 6
-      for (int j = 0; j < 6; ++j) out[i][j] = component(Omega, i, j);
-    return out;
-  }
-
-  /// The given rows and columns, after as many of the unit matrix as are missing: every loop has a fixed
-  /// length, and the last row given is the last of all.
-  static Square chosen(const Square& all, const TaskRows& rows) {
+  [[gnu::noinline]] void factor_chosen(const Compliance<S>& Omega, std::span<const int> rows) {
+    std::copy(rows.begin(), rows.end(), rows_.begin());
     Square A{};
     const std::size_t padding = 6 - rows.size();
     for (std::size_t i = 0; i < padding; ++i) A[i][i] = S(1);
     for (std::size_t i = 0; i < rows.size(); ++i)
-      for (std::size_t j = 0; j <= i; ++j) A[padding + i][padding + j] = all[rows[i]][rows[j]];
-    return A;
+      for (std::size_t j = 0; j <= i; ++j)
+        A[padding + i][padding + j] = A[padding + j][padding + i] = component(Omega, rows[i], rows[j]);
+    const auto block = [&A](std::size_t i, std::size_t j) {
+      const auto row = [&](std::size_t r) { return Vec3<S>{A[i + r][j], A[i + r][j + 1], A[i + r][j + 2]}; };
+      return Mat3<S>{row(0), row(1), row(2)};
+    };
+    factor({upper(block(0, 0)), block(0, 3), upper(block(3, 3))});
   }
 
-  /// A(i, j) for i >= j.
-  template <class Entries>
-  void factor(const Entries& A) {
-    Square scaled;  // scaled[j][i] = L(i,j) d(j)
-#pragma GCC unroll 6
-    for (int j = 0; j < 6; ++j) {
-#pragma GCC unroll 6
-      for (int i = j; i < 6; ++i) {
-        S t = A(i, j);
-#pragma GCC unroll 6
-        for (int p = 0; p < j; ++p) t = t - scaled[p][i] * L_[j][p];
-        scaled[j][i] = t;
-      }
-      pivots_[j] = scaled[j][j];
-      if (j == 5) break;  // the last pivot divides nothing here: it may be zero
-      inverse_pivots_[j] = S(1) / pivots_[j];
-#pragma GCC unroll 6
-      for (int i = j + 1; i < 6; ++i) L_[i][j] = scaled[j][i] * inverse_pivots_[j];
-    }
-    last_pivot_ = pivots_[5];
+  OSCULATE_INLINE void factor(const Compliance<S>& Omega) {
+    const auto& [J, B, A] = Omega;
+    upper_ = BlockFactor<S>(J);
+    iz_ = S(1) / upper_.dz;
+    Vec3<S> x = B.x, y = B.y, z = B.z;
+    upper_.forward(x, y, z);
+    Cx_ = x * upper_.ix, Cy_ = y * upper_.iy, Cz_ = z * iz_;
+    lower_ = BlockFactor<S>(less_outers(A - symmetric_outer(x, Cx_), y, Cy_, z, Cz_));
   }
+
+  TaskVector<S> moved_to_end(const TaskVector<S>& x) const {
+    TaskVector<S> out{};
+    for (int i = 0; i < m_; ++i) out[6 - m_ + i] = x[i];
+    return out;
+  }
+  TaskVector<S> moved_to_start(const TaskVector<S>& x) const {
+    TaskVector<S> out{};
+    for (int i = 0; i < m_; ++i) out[i] = x[6 - m_ + i];
+    return out;
+  }
+
+  std::span<const int> rows() const { return {rows_.data(), static_cast<std::size_t>(m_)}; }
 
   int m_;
-  Square L_;  // unit lower triangular: the strictly lower part
-  TaskVector<S> pivots_, inverse_pivots_;
-  S last_pivot_;
+  std::array<int, 6> rows_;  // set where they are not all six in order
+  BlockFactor<S> upper_, lower_;
+  S iz_;                  // 1 / upper_.dz
+  Vec3<S> Cx_, Cy_, Cz_;  // rows of D1^-1 L1^-1 B
 };
 
 }  // namespace osculate

@@ -1,4 +1,4 @@
-"""Fifty runs of the writer, each ended by SIGKILL at a random moment of creation, of recording or of the end.
+"""Two hundred runs of the writer, each ended by SIGKILL at a random moment of creation, of recording or of the end.
 Usage: test_kill.py WRITER"""
 import hashlib
 import os
@@ -11,7 +11,7 @@ import time
 from known_rows import STEP_CHUNK, TIME_CHUNK, check_fixed, check_other_readers, check_rows, open_file, recover
 
 SEED = 20240611
-RUNS = 50
+RUNS = 200
 FINITE_ROWS = 3010  # a part of a chunk remains for the end
 
 
@@ -40,8 +40,13 @@ def run_and_kill(writer, path, rows, pace_us, target, seconds):
     return rows_told(path)
 
 
+SLOW_PACE = 250_000  # 50 rows each quarter of a second: a chunk takes more than the second between writes
+
+
 def plan(number, chance):
-    """(rows, pace in microseconds, rows to wait for, seconds until the kill) of one run."""
+    """(rows, pace in microseconds for 50 rows, rows to wait for, seconds until the kill) of one run."""
+    if number % 25 == 4:
+        return 0, SLOW_PACE, 350, chance.uniform(0.0, 0.2)
     if number % 5 == 0:
         return 0, 0, 0, chance.uniform(0.0, 0.02)  # around the creation
     if number % 5 == 1:
@@ -49,7 +54,7 @@ def plan(number, chance):
     return 0, chance.choice([0, 300, 1000]), chance.choice([50, 200, 1000, 4000]), chance.uniform(0.03, 0.1)
 
 
-def check_one(writer, path, told, kinds, readers_too):
+def check_one(writer, path, told, kinds, readers_too, slow):
     target = path + ".recovered"
     if not os.path.exists(path):
         run = recover(writer, path, target)
@@ -77,8 +82,13 @@ def check_one(writer, path, told, kinds, readers_too):
     # Every chunk that was full when the writer told of it is there.
     assert rows >= told // TIME_CHUNK * TIME_CHUNK, (rows, told)
     assert steps >= told // 3 // STEP_CHUNK * STEP_CHUNK, (steps, told)
-    assert rows % TIME_CHUNK == 0 or rows == FINITE_ROWS
+    if slow:  # chunks that are not full are written each second
+        assert rows % TIME_CHUNK > 0 and rows >= told - 6 * 50, (rows, told)
+        kinds["slow"] += 1
+    else:
+        assert rows % TIME_CHUNK == 0 or rows == FINITE_ROWS, rows
     kinds["recovered"] += 1
+    kinds["rows lost"] = max(kinds["rows lost"], told - rows)
     kinds["rows"] += rows
     if readers_too:
         check_other_readers(target)
@@ -86,14 +96,14 @@ def check_one(writer, path, told, kinds, readers_too):
 
 def main(writer):
     chance = random.Random(SEED)
-    kinds = {"nothing yet": 0, "finished": 0, "recovered": 0, "rows": 0}
+    kinds = {"nothing yet": 0, "finished": 0, "recovered": 0, "slow": 0, "rows": 0, "rows lost": 0}
     with tempfile.TemporaryDirectory() as directory:
         for number in range(RUNS):
             rows, pace_us, target, seconds = plan(number, chance)
             path = f"{directory}/run{number}.h5"
             told = run_and_kill(writer, path, rows, pace_us, target, seconds)
             try:
-                check_one(writer, path, told, kinds, number % 10 == 3)
+                check_one(writer, path, told, kinds, number % 20 == 3, pace_us == SLOW_PACE)
             except Exception:
                 print(f"run {number}: {rows} rows, pace {pace_us} us, killed {seconds} s after {target} rows; told of {told}")
                 raise
