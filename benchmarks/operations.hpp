@@ -81,10 +81,8 @@ struct Cost {
 /// F of (4) by one factorisation and one solve: all six rows.
 inline Vec<Force, Counted> tip_force(const Compliance<Counted>& Omega, const Vec<Motion, Counted>& right_side,
                                      const VectorX<Counted>& u) {
-  const TaskFactor<Counted> factor(Omega, all_rows());
-  TaskVector<Counted> right = restricted(right_side, all_rows());
-  for (std::size_t i = 0; i < 6; ++i) right[i] += u[static_cast<Eigen::Index>(i)];
-  return wrench(factor.solve(right), all_rows());
+  return TaskFactor<Counted>(Omega, all_rows())
+      .solve(right_side + Vec<Motion, Counted>{{u[0], u[1], u[2]}, {u[3], u[4], u[5]}});
 }
 
 /// Each sweep by itself, joints with one axis, one frame.

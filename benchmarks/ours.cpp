@@ -25,10 +25,12 @@ struct Recursions {
     set_positions<double>(chain, state.q, joints);
     space.place(joints);
     space.sweep(state.qd);
-    TaskVector<double> right = restricted(space.right_side(), rows);
-    for (std::size_t i = 0; i < 6; ++i) right[i] += state.u[i];
-    answer.F = TaskFactor<double>(space.Omega(), rows).solve(right);
-    space.torques(wrench(answer.F, rows), answer.T);
+    const auto& u = state.u;
+    const Vec<Motion, double> right =
+        space.right_side() + Vec<Motion, double>{{u[0], u[1], u[2]}, {u[3], u[4], u[5]}};
+    const Vec<Force, double> F = TaskFactor<double>(space.Omega(), rows).solve(right);  // (65)
+    answer.F = {F.ang.x, F.ang.y, F.ang.z, F.lin.x, F.lin.y, F.lin.z};
+    space.torques(F, answer.T);
   }
 
   void read_Omega(double* out) const {
