@@ -11,6 +11,7 @@
 
 #include "cli/info.hpp"
 #include "cli/paper.hpp"
+#include "cli/replay.hpp"
 #include "cli/terms.hpp"
 #include "experiment/arms.hpp"
 #include "experiment/provenance.hpp"
@@ -35,11 +36,14 @@ void catch_signals() {
 /// The gravest of several exit codes: interruption, then 4 > 3 > 2 > 1 > 0.
 Exit graver(Exit a, Exit b) { return static_cast<int>(a) > static_cast<int>(b) ? a : b; }
 
-void show_progress(double t, double duration, double wall) {
+void show_labelled_progress(const std::string& label, double t, double duration, double wall) {
   const double speed = wall > 0 ? t / wall : 0;
   const double left = speed > 0 ? (duration - t) / speed : 0;
-  std::fprintf(stderr, "%.2f of %.2f s, %.1f times real time, %.0f s left \033[K", t, duration, speed, left);
+  std::fprintf(stderr, "\r%s%.2f of %.2f s, %.1f times real time, %.0f s left \033[K", label.c_str(), t,
+               duration, speed, left);
 }
+
+void show_progress(double t, double duration, double wall) { show_labelled_progress("", t, duration, wall); }
 
 void end_progress(bool shown) {
   if (shown) std::fprintf(stderr, "\r\033[K");
@@ -86,11 +90,7 @@ Exit run_one(const std::string& file, const RunArguments& arguments, bool record
     options.command = command;
     options.signal = &caught_signal;
     const bool progress = !arguments.quiet && isatty(STDERR_FILENO);
-    if (progress)
-      options.progress = [](double t, double duration, double wall) {
-        std::fprintf(stderr, "\r");
-        show_progress(t, duration, wall);
-      };
+    if (progress) options.progress = show_progress;
     const RunResult result = run(experiment, options);
     end_progress(progress);
     for (const auto& warning : result.warnings) std::cerr << "warning: " << warning << "\n";
@@ -112,8 +112,7 @@ Exit sweep_one(const std::string& file, const RunArguments& arguments, const std
     const bool progress = !arguments.quiet && isatty(STDERR_FILENO);
     if (progress)
       options.progress = [](const std::string& label, double t, double duration, double wall) {
-        std::fprintf(stderr, "\r%s: ", label.c_str());
-        show_progress(t, duration, wall);
+        show_labelled_progress(label + ": ", t, duration, wall);
       };
     const SweepResult result = sweep(file, arguments.sets, options);
     end_progress(progress);
@@ -214,6 +213,24 @@ int osculate::program(int argc, char** argv) {
   recover_command->add_option("-o,--output", repaired, "result; default: FILE.recovered.h5");
   recover_command->add_flag("--force", force_recover, "overwrite an existing file");
 
+  AgainOptions again;
+  const auto again_command = [&](const char* name, const char* about, const char* output) {
+    CLI::App* sub = app.add_subcommand(name, about);
+    sub->add_option("file", again.file, "FILE.h5")->required();
+    sub->add_option("-o,--output", again.output, output);
+    sub->add_flag("--force", again.force, "overwrite an existing file");
+    sub->add_flag("--quiet", arguments.quiet, "no progress line");
+    return sub;
+  };
+  CLI::App* replay_command = again_command(
+      "replay", "run again from a result file alone, compare bit for bit", "keep the new result");
+  CLI::App* resume_command = again_command("resume", "go on with a stopped run from its last restart point",
+                                           "result; default: FILE.resumed.h5");
+  std::string file_a, file_b;
+  CLI::App* diff_command = app.add_subcommand("diff", "compare two result files bit for bit");
+  diff_command->add_option("a", file_a, "A.h5")->required();
+  diff_command->add_option("b", file_b, "B.h5")->required();
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {
@@ -250,6 +267,15 @@ int osculate::program(int argc, char** argv) {
       if (!states.empty()) term.states = states;
       return terms(term, std::cout, std::cerr);
     });
+  } else if (*replay_command || *resume_command) {
+    again.command = command;
+    again.signal = &caught_signal;
+    if (!arguments.quiet && isatty(STDERR_FILENO)) again.progress = show_progress;
+    worst = guarded([&] {
+      return *replay_command ? replay(again, std::cout, std::cerr) : resume(again, std::cout, std::cerr);
+    });
+  } else if (*diff_command) {
+    worst = guarded([&] { return diff(file_a, file_b, std::cout); });
   } else if (*recover_command) {
     worst = guarded([&] {
       std::cout << "recovered into " << recover(damaged, repaired, force_recover).string() << "\n";

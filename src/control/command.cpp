@@ -17,14 +17,14 @@ void Controller::sense(std::span<const double> q, std::span<const double> qd) {
   if (sensors.velocity_cutoff > 0) {
     const double T = options_.sampling->period;
     const double keep = std::exp(-2 * std::numbers::pi * sensors.velocity_cutoff * T);
-    if (measured_q_.empty()) {  // the first sample: the filter starts at the true velocity
-      filtered_qd_ = known_qd_;
+    if (sensed_.q.empty()) {  // the first sample: the filter starts at the true velocity
+      sensed_.qd = known_qd_;
     } else {
       for (std::size_t i = 0; i < known_q_.size(); ++i)
-        filtered_qd_[i] = keep * filtered_qd_[i] + (1 - keep) * (known_q_[i] - measured_q_[i]) / T;
+        sensed_.qd[i] = keep * sensed_.qd[i] + (1 - keep) * (known_q_[i] - sensed_.q[i]) / T;
     }
-    measured_q_ = known_q_;
-    known_qd_ = filtered_qd_;
+    sensed_.q = known_q_;
+    known_qd_ = sensed_.qd;
   }
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "control/coordinates.hpp"
+#include "control/memory.hpp"
 #include "control/null_space.hpp"
 #include "control/obstacles.hpp"
 #include "control/pose_error.hpp"
@@ -85,6 +86,13 @@ struct LawOptions {
   std::shared_ptr<const Path> base_path = {};  // how the base moves in the inertial frame; none: at rest
 };
 
+/// What the sensors of a sampled law gave at the sample before; empty before the first.
+struct SensorMemory {
+  std::vector<double> q, qd;  // measured, filtered
+
+  void remember(Memory& memory) { memory(q, qd); }
+};
+
 /// What the law decided at one instant. Inertial frame, about the tip point, angular part first.
 struct Command {
   TipReference reference;
@@ -104,6 +112,8 @@ struct RecursiveTerms {
   MatrixX<double> Omega;           // 6 x 6, all rows
   MatrixX<double> Lambda;          // m x m
   VectorX<double> c, g, c_plus_g;  // m
+
+  void remember(Memory& memory) { memory(Omega, Lambda, c, g, c_plus_g); }
 };
 
 /// Pose and motion of a base that moves along `path` (none: at rest) in the inertial frame.
@@ -174,6 +184,11 @@ class Controller {
   const Pose& initial() const { return initial_; }
   const Chain<double>& model() const { return model_; }
 
+  const SensorMemory& sensed() const { return sensed_; }
+  void set_sensed(const SensorMemory& sensed) { sensed_ = sensed; }
+  /// What a sampled law keeps from sample to sample, but for the values of old samples that a delay uses.
+  void remember(Memory& memory) { memory(sensed_, samples_, seen_by_monitor_); }
+
  private:
   using Space = std::variant<BasicOperationalSpace<Hinge<double>>, BasicOperationalSpace<Joint<double>>>;
   using SampledSpace =
@@ -220,7 +235,7 @@ class Controller {
   BaseMotion<double> base_;
   std::vector<double> T0_, rigid_torque_;
   std::vector<double> known_q_, known_qd_;
-  std::vector<double> measured_q_, filtered_qd_;  // by the sensors at the sample before
+  SensorMemory sensed_;
   double measure_ = -1;
   int truncated_ = 0;
   PoseTracking tracking_;  // of the reference as the law follows it

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -79,7 +80,11 @@ struct LissajousOptions {
 };
 struct WaypointsOptions {
   std::filesystem::path file;  // CSV with a header: t,x,y,z or t,x,y,z,qw,qx,qy,qz (absolute, base frame)
+  std::optional<std::string> text = {};  // what is in it, if that is known already
 };
+
+/// What is in a file; nothing if it cannot be opened.
+std::optional<std::string> text_of(const std::filesystem::path& file);
 
 /// One axis after the other: at i * period the reference jumps by amplitude[i] on row i alone, and half a
 /// period later back; rows with amplitude 0 are passed over. Then from the first again, to the end.

@@ -4,7 +4,9 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <numbers>
+#include <sstream>
 #include <string_view>
 
 #include "control/reference.hpp"
@@ -104,10 +106,10 @@ void require_order(const Place& place, const std::vector<Waypoint>& before, cons
                       " s, the time of the waypoint before");
 }
 
-std::vector<Waypoint> read_waypoints(const std::filesystem::path& file) {
-  Place place{file.string()};
-  std::ifstream in(file);
-  if (!in) reject(place, "cannot be read; check the path of reference.file");
+std::vector<Waypoint> read_waypoints(const WaypointsOptions& options) {
+  Place place{options.file.string()};
+  if (!options.text) reject(place, "cannot be read; check the path of reference.file");
+  std::istringstream in(*options.text);
   std::vector<Waypoint> out;
   bool header_seen = false, oriented = false;
   std::string raw;
@@ -228,8 +230,15 @@ class Waypoints final : public Path {
 
 }  // namespace
 
+std::optional<std::string> text_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return std::nullopt;
+  return std::string{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
 std::unique_ptr<Path> make_path(const WaypointsOptions& options, const Pose& initial) {
-  const auto waypoints = read_waypoints(options.file);
+  const auto waypoints =
+      read_waypoints(options.text ? options : WaypointsOptions{options.file, text_of(options.file)});
   std::vector<double> times;
   for (const auto& waypoint : waypoints) times.push_back(waypoint.t);
   return std::make_unique<Waypoints>(std::move(times), offsets({options.file.string()}, waypoints, initial));

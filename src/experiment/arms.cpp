@@ -67,9 +67,14 @@ void require_articulated(const Chain<double>& chain, const ArmDescription& descr
   }
 }
 
+ArmDescription describe(const ModelConfig& model) {
+  return model.urdf_text ? parse_urdf(*model.urdf_text, model.urdf.string(), model.choice)
+                         : load_urdf(model.urdf, model.choice);
+}
+
 Arms make_arms(const Experiment& experiment) {
   Arms arms;
-  arms.description = load_urdf(experiment.model.urdf, experiment.model.choice);
+  arms.description = describe(experiment.model);
   check_against(experiment, arms.description);
   arms.warnings = arms.description.warnings;
 

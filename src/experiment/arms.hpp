@@ -14,6 +14,9 @@ struct Arms {
   std::vector<std::string> warnings;
 };
 
+/// The arm of a model's file or embedded text. Throws ModelError.
+ArmDescription describe(const ModelConfig& model);
+
 /// Reads the model file, checks the experiment against it and builds both arms. Throws ModelError or
 /// ConfigError.
 Arms make_arms(const Experiment& experiment);

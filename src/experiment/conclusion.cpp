@@ -8,6 +8,21 @@
 
 namespace osculate {
 
+std::string stop_name(IntegrationStopped::Reason reason) {
+  using Reason = IntegrationStopped::Reason;
+  switch (reason) {
+    case Reason::singular:
+      return "singular";
+    case Reason::non_finite:
+      return "non_finite";
+    case Reason::step_too_small:
+      return "step_too_small";
+    case Reason::failed:
+      return "failed";
+  }
+  return "failed";
+}
+
 std::array<std::string, claim_count> reasons_against(const ClosedLoop& loop, bool filtered) {
   const LawOptions& law = loop.controller().options();
   const bool delayed = law.sampling && law.sampling->delay != Delay::none;

@@ -26,7 +26,8 @@ const std::vector<std::string> sections{"name",        "model",      "plant",   
                                         "base_motion", "controller", "integrator", "duration", "output",
                                         "verify",      "expect",     "sweep"};
 constexpr double most_samples = 1e8;  // recorded instants of one run; more is a slip of the interval
-constexpr double most_jumps = 1e6;    // of a reference: each is an instant where the integrator starts anew
+constexpr double most_restarts = 1e5;
+constexpr double most_jumps = 1e6;  // of a reference: each is an instant where the integrator starts anew
 
 void read_initial(const Setting& setting, Experiment& out) {
   const Map map(setting, {"q", "qd"});
@@ -124,6 +125,7 @@ Experiment read_document(const yaml::Value& document, const std::string& source,
   const Map root({&document, "", document.place}, sections);
   Experiment out;
   out.file = source;
+  out.directory = resolve(directory, "").parent_path();
   out.name = source.empty() ? "experiment" : out.file.stem().string();
   read(root.at("name"), out.name);
   if (out.name.find('/') != std::string::npos) fail(root.at("name"), "must not contain '/': it names files.");
@@ -138,7 +140,7 @@ Experiment read_document(const yaml::Value& document, const std::string& source,
   if (const auto* axes = std::get_if<EachAxisOptions>(&out.reference);
       axes != nullptr && out.duration / axes->period > most_jumps)
     fail(root.at("reference"), "period is too short for the duration: at most 1e6 axes are moved in a run.");
-  const Map output(root.at("output"), {"interval"});
+  const Map output(root.at("output"), {"interval", "restart_interval"});
   const auto interval = output.at("interval");
   read(interval, out.output.interval, above_zero());
   if (out.duration / out.output.interval > most_samples) {
@@ -146,6 +148,11 @@ Experiment read_document(const yaml::Value& document, const std::string& source,
     if (interval.given()) fail(interval, text_of_limit);
     fail(root.at("duration"), "is too long for output.interval: at most 1e8 instants are recorded.");
   }
+  const auto restarts = output.at("restart_interval");
+  read(restarts, out.output.restart_interval, at_least_zero("0 makes no restart points"));
+  if (out.output.restart_interval > 0 && out.duration / out.output.restart_interval > most_restarts)
+    fail(restarts.given() ? restarts : root.at("duration"),
+         "gives more than 1e5 restart points: set output.restart_interval to at least duration / 1e5, or 0.");
   out.verify = read_verify(root.at("verify"));
   out.expect = read_expect(root.at("expect"));
   note_places(document, "", out.places);

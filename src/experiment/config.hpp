@@ -38,8 +38,9 @@ struct Payload {
 enum class PlantDynamics { recursive /* O(n), (51) */, dense /* M^-1 by the definitions */ };
 
 struct ModelConfig {
-  std::filesystem::path urdf;           // absolute after reading
-  ChainChoice choice;                   // keys: base, tip, gravity, side_branches
+  std::filesystem::path urdf;                 // absolute after reading
+  std::optional<std::string> urdf_text = {};  // what is in it, if that is known already
+  ChainChoice choice;                         // keys: base, tip, gravity, side_branches
   std::vector<double> armature;         // kg m^2 or kg for each velocity coordinate, base to tip; empty: none
   std::vector<JointFriction> friction;  // for each velocity coordinate; empty: none
 };
@@ -106,7 +107,8 @@ struct IntegratorConfig {
 };
 
 struct OutputConfig {
-  double interval = 0.01;  // s, > 0
+  double interval = 0.01;         // s, > 0
+  double restart_interval = 100;  // s, >= 0: simulated time between restart points; 0: none
 };
 
 struct VerifyConfig {
@@ -136,7 +138,8 @@ struct ExpectConfig {
 
 struct Experiment {
   std::string name;
-  std::filesystem::path file;  // where it was read, for messages
+  std::filesystem::path file;            // where it was read, for messages
+  std::filesystem::path directory = {};  // where relative paths start, absolute
   ModelConfig model;
   PlantConfig plant;
   std::vector<double> q, qd;  // base to tip; qd empty: at rest

@@ -92,7 +92,8 @@ ReferenceConfig read_reference(const Setting& setting, const std::filesystem::pa
     std::string file;
     if (!map.at("file").given()) fail_missing(map.at("file"), "give a CSV file with the columns t,x,y,z.");
     read(map.at("file"), file);
-    return WaypointsOptions{resolve(directory, file)};
+    const auto absolute = resolve(directory, file);
+    return WaypointsOptions{absolute, text_of(absolute)};  // a missing file is reported where it is used
   }
   if (type == "each_axis") return read_each_axis(map);
   if (type == "multisine") return read_multisine(map);

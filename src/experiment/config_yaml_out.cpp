@@ -244,6 +244,7 @@ std::string to_yaml(const Experiment& x) {
   out << "duration: " << number(x.duration) << "\n"
       << "output:\n"
       << "  interval: " << number(x.output.interval) << "\n"
+      << "  restart_interval: " << number(x.output.restart_interval) << "\n"
       << "verify:\n"
       << "  every: " << std::to_string(x.verify.every) << "\n"
       << "  record: " << record(x.verify) << "\n"

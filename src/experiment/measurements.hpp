@@ -45,6 +45,11 @@ class Measurements {
   ClaimResult frequency_result(const GlobalError& error);
   ClaimResult poles_result() const;
   Measured finish();
+  /// Without the poles, which belong to the start.
+  void remember(Memory& memory) {
+    memory(departure_, out_.coupling, out_.growth, out_.self_motion, out_.mode_changes);
+    if (tip_fit_) memory(*tip_fit_, *reference_fit_);
+  }
 
  private:
   LawOptions law_;

@@ -1,8 +1,12 @@
 #include "experiment/provenance.hpp"
 
+#include <elf.h>
+#include <link.h>
 #include <unistd.h>
 
 #include <Eigen/Core>
+#include <cstdio>
+#include <cstring>
 #include <ctime>
 #include <fstream>
 #include <sstream>
@@ -36,6 +40,37 @@ std::string cpu_features() {
   return out.empty() ? "unknown" : out;
 }
 
+/// The hash that the linker put into the program, in hexadecimal digits; "" if it put none.
+std::string build_id() {
+  const auto look = [](dl_phdr_info* program, std::size_t, void* into) {
+    for (int i = 0; i < program->dlpi_phnum; ++i) {
+      const auto& segment = program->dlpi_phdr[i];
+      if (segment.p_type != PT_NOTE) continue;
+      const char* at = reinterpret_cast<const char*>(program->dlpi_addr + segment.p_vaddr);
+      const char* const end = at + segment.p_memsz;
+      while (at + sizeof(ElfW(Nhdr)) <= end) {
+        ElfW(Nhdr) note;
+        std::memcpy(&note, at, sizeof note);
+        const auto padded = [](std::size_t size) { return (size + 3) / 4 * 4; };
+        const char* const name = at + sizeof note;
+        const char* const text = name + padded(note.n_namesz);
+        at = text + padded(note.n_descsz);
+        if (note.n_type != NT_GNU_BUILD_ID || at > end || std::memcmp(name, ELF_NOTE_GNU, 4) != 0) continue;
+        for (std::size_t k = 0; k < note.n_descsz; ++k) {
+          char digits[3];
+          std::snprintf(digits, sizeof digits, "%02x", static_cast<unsigned char>(text[k]));
+          *static_cast<std::string*>(into) += digits;
+        }
+        return 1;
+      }
+    }
+    return 1;  // the program itself comes first; its libraries do not matter here
+  };
+  std::string out;
+  dl_iterate_phdr(look, &out);
+  return out;
+}
+
 std::string host() {
   char name[256] = "";
   return gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
@@ -60,12 +95,13 @@ std::string version_text() {
 
 std::vector<Text> provenance(const Experiment& experiment, const std::string& urdf_text,
                              const std::string& command) {
-  return {
+  std::vector<Text> out{
       {"provenance/experiment", to_yaml(experiment), "resolved experiment, YAML"},
       {"provenance/model", urdf_text, "model file, URDF"},
       {"provenance/command", command, "command line"},
       {"provenance/program_version", OSCULATE_VERSION, "version of osculate"},
       {"provenance/git_commit", OSCULATE_COMMIT, "source it was built from"},
+      {"provenance/build_id", build_id(), "hash of the program by its linker"},
       {"provenance/sundials_version", sundials_version(), "version of SUNDIALS"},
       {"provenance/hdf5_version", hdf5_version(), "version of HDF5"},
       {"provenance/eigen_version", eigen_version(), "version of Eigen"},
@@ -76,6 +112,10 @@ std::vector<Text> provenance(const Experiment& experiment, const std::string& ur
       {"provenance/host", host(), "machine"},
       {"provenance/created", now(), "time of creation, UTC"},
   };
+  const auto* waypoints = std::get_if<WaypointsOptions>(&experiment.reference);
+  if (waypoints && waypoints->text)
+    out.insert(out.begin() + 2, {"provenance/waypoints", *waypoints->text, "file of waypoints, CSV"});
+  return out;
 }
 
 }  // namespace osculate

@@ -59,6 +59,11 @@ std::vector<std::pair<std::string, bool>> velocity_coordinates(const JointInfo& 
   return out;
 }
 
+bool makes_restart_points(const Experiment& experiment) {
+  const double interval = experiment.output.restart_interval;
+  return interval > 0 && interval < experiment.duration;
+}
+
 Layout make_layout(const Experiment& experiment, const Arms& arms, const std::string& command) {
   Layout layout;
   layout.title = experiment.name;
@@ -203,6 +208,7 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
     along_steps(path + "_bound", "1", "its bound", Kind::real, true);
   }
 
+  if (makes_restart_points(experiment)) add_restart_points(layout);
   layout.texts = provenance(experiment, arms.description.urdf_text, command);
   return layout;
 }
@@ -329,6 +335,12 @@ void Recording::step(const Step& step, const Residuals& residuals) {
     row_.push_back(r.applies ? r.bound : missing);
   }
   file_.append("step", row_);
+}
+
+void Recording::go_on_from(const RestartPoint& point) { copy_until(point, file_); }
+
+void Recording::restart_point(double t, const std::vector<double>& memory) {
+  append_restart_point(t, memory, file_);
 }
 
 void Recording::finish(const RunResult& result) {

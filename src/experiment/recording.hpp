@@ -6,6 +6,7 @@
 
 #include "experiment/arms.hpp"
 #include "experiment/run.hpp"
+#include "record/restart_point.hpp"
 #include "record/result_file.hpp"
 
 namespace osculate {
@@ -17,6 +18,11 @@ class Recording {
  public:
   Recording(const std::filesystem::path& file, const Experiment& experiment, const Arms& arms,
             const std::string& command, bool force);
+
+  /// Copies what the run behind `point` had recorded until then. Throws FileError.
+  void go_on_from(const RestartPoint& point);
+  /// A restart point at time t, s: afterwards all rows so far and these numbers are on disk.
+  void restart_point(double t, const std::vector<double>& memory);
 
   /// One output instant. Without Lambda in `terms` (the arm is singular) what depends on it is missing.
   void output(const Observation& seen, const TaskRows& rows, const RecursiveTerms& terms);
@@ -32,6 +38,9 @@ class Recording {
   void step(const Step& step, const Residuals& residuals);
 
   void finish(const RunResult& result);
+
+  /// The signs of the recorded quaternions go on.
+  void remember(Memory& memory) { memory(tip_quaternion_, reference_quaternion_); }
 
  private:
   ResultFile file_;

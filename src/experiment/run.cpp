@@ -42,20 +42,6 @@ constexpr double default_max_step =
 /// Condition numbers above this with a shrinking step mean that the arm ran into a singularity.
 constexpr double singular_condition = 1e6;
 
-std::string stop_name(Reason reason) {
-  switch (reason) {
-    case Reason::singular:
-      return "singular";
-    case Reason::non_finite:
-      return "non_finite";
-    case Reason::step_too_small:
-      return "step_too_small";
-    case Reason::failed:
-      return "failed";
-  }
-  return "failed";
-}
-
 /// Kinetic energy of motion that the tip does not see, J: (qd* M qd - V* Lambda V) / 2 of the model.
 double self_motion(const Evidence& e) {
   if (e.terms.Lambda.size() == 0) return std::numeric_limits<double>::quiet_NaN();
@@ -70,7 +56,8 @@ class Runner {
       : experiment_(experiment),
         options_(options),
         arms_(make_arms(experiment)),
-        problem_(make_loop(experiment, arms_)),
+        blank_(make_loop(experiment, arms_)),
+        problem_(blank_),
         measurements_(experiment, arms_, problem_),
         step_check_(problem_),
         force_(problem_) {
@@ -81,6 +68,7 @@ class Runner {
     if (options.output) {
       const Timed timed(result_.times.recording);
       recording_.emplace(*options.output, experiment, arms_, options.command, options.force);
+      if (options.from) recording_->go_on_from(*options.from);
     }
   }
 
@@ -93,6 +81,10 @@ class Runner {
       if (error.reason == Reason::step_too_small && last_condition() > singular_condition) stop = "singular";
       result_.message = error.what();
       judge_without_command();
+    } catch (const MemoryMismatch& error) {
+      throw FileError(
+          options_.from->file.string() + ": its restart point at t = " + std::to_string(options_.from->time) +
+          " s cannot be used: " + error.what() + "; another version of osculate wrote it, or it is damaged");
     }
     if (stop.empty() && signal_ == 0 && result_.end_time < experiment_.duration) {
       stop = "too_many_steps";
@@ -111,80 +103,141 @@ class Runner {
  private:
   void integrate() {
     const std::vector<double> y0 = initial_state(experiment_, problem_);
-    if (experiment_.verify.poles) measurements_.linearise(problem_, y0);
-    Simulation main(problem_, y0, integrator_options(experiment_.integrator, problem_, 1));
-    std::optional<Simulation> shadow;
-    if (experiment_.verify.shadow)
-      shadow.emplace(problem_, y0, integrator_options(experiment_.integrator, problem_, shadow_factor));
-    Simulation* const other = shadow ? &*shadow : nullptr;
     row_state_.resize(y0.size());
-    problem_.set_modes(main.loop.modes());
-    if (problem_.sampled()) {
-      sample(0, main, other);
-      apply(main, other);
-    }
-    trajectory_.emplace(problem_, problem_.observe(0, y0));
-    result_.error.known = shadow.has_value();
+    if (experiment_.verify.poles) measurements_.linearise(problem_, y0);
     result_.error.tolerance = experiment_.integrator.rtol + experiment_.integrator.atol_position;
-    check_step({}, y0, other, problem_.sampled());
-    write_rows(main, 0);
-
     Stops stops(experiment_, problem_.controller());
+    if (options_.from) {
+      trajectory_.emplace(problem_, problem_.observe(0, y0));
+      Memory memory(options_.from->memory);
+      go_on_from(memory);
+      std::optional<Stop> stop;
+      for (long i = 0; i < stops_; ++i) stop = stops.next();
+      if (!stop || stop->time != main_->integrator.t())
+        throw MemoryMismatch("its time is no restart point of this experiment");
+      pass(*stop);
+    } else {
+      start(y0);
+    }
     while (const std::optional<Stop> stop = stops.next()) {
+      ++stops_;
       // A law that acts at every instant sees a jump of its reference at the stop from the left up to there.
       limit_ = stop->jumps ? std::nextafter(stop->time, 0.0) : stop->time;
-      main.limit = limit_;
-      if (shadow) shadow->limit = limit_;
-      while (main.integrator.t() < stop->time) {
+      for_each([this](Simulation& simulation) { simulation.limit = limit_; });
+      while (main_->integrator.t() < stop->time) {
         if (options_.signal) signal_ = *options_.signal;
         if (signal_ != 0 || result_.steps >= experiment_.integrator.max_steps) return;
-        advance(main, other, *stop);
+        advance(*stop);
         show_progress();
       }
       if (stop->kind == Stop::Kind::end) break;
-      pass(*stop, main, other);
+      if (stop->restart) restart();
+      pass(*stop);
     }
+  }
+
+  void start(const std::vector<double>& y0) {
+    main_.emplace(blank_, y0, integrator_options(experiment_.integrator, blank_, 1));
+    if (experiment_.verify.shadow)
+      shadow_.emplace(blank_, y0, integrator_options(experiment_.integrator, blank_, shadow_factor));
+    problem_.set_modes(main_->loop.modes());
+    if (problem_.sampled()) {
+      sample(0);
+      apply();
+    }
+    trajectory_.emplace(problem_, problem_.observe(0, y0));
+    result_.error.known = shadow_.has_value();
+    check_step({}, y0, problem_.sampled());
+    write_rows(0);
+  }
+
+  /// A restart point: the run becomes numbers, and goes on from nothing else, as a resumed one does.
+  void restart() {
+    Memory written;
+    remember(written);
+    if (recording_) {
+      const Timed timed(result_.times.recording);
+      recording_->restart_point(main_->integrator.t(), written.numbers());
+    }
+    Memory read(written.numbers());
+    go_on_from(read);
+  }
+
+  void go_on_from(Memory& memory) {
+    remember(memory);
+    memory.require_end();
+    problem_ = main_->loop;
+    last_state_.assign(main_->integrator.state().begin(), main_->integrator.state().end());
+    step_check_.gather(problem_, problem_.observe(main_->integrator.t(), last_state_));
+  }
+
+  void remember(Memory& memory) {
+    memory(result_.error, result_.end_time, result_.steps, result_.rhs_evaluations, result_.samples,
+           result_.sweeps_per_sample, verdict_, *trajectory_, force_, measurements_, filtered_, last_step_,
+           next_row_, stops_);
+    if (delayed_law_) memory(*delayed_law_);
+    if (recording_) memory(*recording_);
+    remember(memory, main_, 1);
+    if (experiment_.verify.shadow) remember(memory, shadow_, shadow_factor);
+  }
+
+  /// Read, it is made anew.
+  void remember(Memory& memory, std::optional<Simulation>& simulation, double tighter) {
+    double t = 0;
+    std::vector<double> y;
+    if (!memory.reading()) {
+      t = simulation->integrator.t();
+      y.assign(simulation->integrator.state().begin(), simulation->integrator.state().end());
+    }
+    memory(t, y);
+    if (!memory.reading()) return simulation->remember(memory);
+    if (y.size() != blank_.states()) throw MemoryMismatch("its state belongs to another arm");
+    simulation.emplace(blank_, t, y, integrator_options(experiment_.integrator, blank_, tighter), memory);
+  }
+
+  /// Calls `work` with the run and its shadow, if it has one.
+  template <class Work>
+  void for_each(const Work& work) {
+    work(*main_);
+    if (shadow_) work(*shadow_);
   }
 
   /// What happens at a stop.
-  void pass(const Stop& stop, Simulation& main, Simulation* shadow) {
+  void pass(const Stop& stop) {
     limit_ = std::numeric_limits<double>::infinity();
-    for (Simulation* simulation : {&main, shadow})
-      if (simulation) {
-        simulation->limit = limit_;
-        if (stop.kind != Stop::Kind::jump) continue;
-        simulation->restart();
-      }
+    for_each([&](Simulation& simulation) {
+      simulation.limit = limit_;
+      if (stop.kind == Stop::Kind::jump) simulation.restart();
+    });
     if (stop.kind == Stop::Kind::jump) trajectory_->restart_at(stop.time);
     if (stop.kind == Stop::Kind::sample) {
-      sample(stop.time, main, shadow);
-      if (problem_.controller().options().sampling->computation_time == 0) apply(main, shadow);
-      check_step(last_step_, main.integrator.state(), shadow, true);
+      sample(stop.time);
+      if (problem_.controller().options().sampling->computation_time == 0) apply();
+      check_step(last_step_, main_->integrator.state(), true);
       record_step(last_step_);  // what the law did at the end of the step is judged now
     }
-    if (stop.kind == Stop::Kind::apply) apply(main, shadow);
+    if (stop.kind == Stop::Kind::apply) apply();
   }
 
   /// The next sample of the law in the run, in its shadow, and in the copy that is observed.
-  void sample(double t, Simulation& main, Simulation* shadow) {
-    main.loop.sample(t, main.integrator.state());
-    problem_.sample(t, main.integrator.state());
-    if (shadow) shadow->loop.sample(t, shadow->integrator.state());
+  void sample(double t) {
+    for_each([t](Simulation& simulation) { simulation.loop.sample(t, simulation.integrator.state()); });
+    problem_.sample(t, main_->integrator.state());
     ++result_.samples;
     result_.sweeps_per_sample = problem_.controller().sweeps_of_last_torque();
   }
 
   /// The torque of the last sample begins to act.
-  void apply(Simulation& main, Simulation* shadow) {
+  void apply() {
     problem_.apply();
-    for (Simulation* simulation : {&main, shadow})
-      if (simulation) {
-        simulation->loop.apply();
-        simulation->restart();
-      }
+    for_each([](Simulation& simulation) {
+      simulation.loop.apply();
+      simulation.restart();
+    });
   }
 
-  void advance(Simulation& main, Simulation* shadow, const Stop& stop) {
+  void advance(const Stop& stop) {
+    Simulation& main = *main_;
     StepInfo step;
     bool switched = false;
     {
@@ -193,27 +246,27 @@ class Runner {
     }
     if (switched) measurements_.mode_changed();
     problem_.set_modes(main.loop.modes());
-    if (shadow) {
+    if (shadow_) {
       const Timed timed(result_.times.shadow);
       // A one-step method stops where the run is, for nothing; the others would lose their order.
       const bool meets = experiment_.integrator.method == Method::runge_kutta;
-      while (shadow->integrator.t() < step.t) shadow->step(meets ? step.t : stop.time);
+      while (shadow_->integrator.t() < step.t) shadow_->step(meets ? step.t : stop.time);
     }
     ++result_.steps;
     last_step_ = step;
     result_.end_time = step.t;
-    result_.rhs_evaluations = main.integrator.rhs_evaluations();
+    result_.rhs_evaluations = main.rhs_evaluations();
     last_state_.assign(main.integrator.state().begin(), main.integrator.state().end());
-    write_rows(main, step.t - step.h);
+    write_rows(step.t - step.h);
     if (result_.steps % experiment_.verify.every == 0 || step.t >= experiment_.duration) {
-      check_step(step, main.integrator.state(), shadow, false);
+      check_step(step, main.integrator.state(), false);
       const bool sample_follows = stop.kind == Stop::Kind::sample && step.t >= stop.time;
       if (!sample_follows) record_step(step);
     }
   }
 
   /// at_sample: a sampled law has just acted at this state.
-  void check_step(const StepInfo& step, std::span<const double> y, Simulation* shadow, bool at_sample) {
+  void check_step(const StepInfo& step, std::span<const double> y, bool at_sample) {
     const Timed timed(result_.times.checking);
     const double t = at_sample ? step.t : std::min(step.t, limit_);  // a jump is seen from the left
     const Observation& seen = problem_.observe(t, y);
@@ -227,9 +280,9 @@ class Runner {
       for (const Claim claim : {Claim::torque, Claim::null_space})
         residuals_[index(claim)] = measured[index(claim)];
     }
-    if (shadow && t > 0 && !at_sample) {
-      shadow->integrator.interpolate(step.t, 0, row_state_);
-      result_.error.add(seen, shadow->loop.observe(t, row_state_));
+    if (shadow_ && t > 0 && !at_sample) {
+      shadow_->integrator.interpolate(step.t, 0, row_state_);
+      result_.error.add(seen, shadow_->loop.observe(t, row_state_));
     }
     const Residuals along = trajectory_->assess(seen, result_.error);
     for (const Claim claim : {Claim::analytic_response, Claim::decoupling})
@@ -278,9 +331,10 @@ class Runner {
   }
 
   /// Output instants that fall into the last step, by the method's own polynomial. `from`: start of the step.
-  void write_rows(const Simulation& main, double from) {
+  void write_rows(double from) {
     if (!recording_ && !measurements_.wants_samples()) return;
-    const double t_end = main.integrator.t();
+    const Integrator& integrator = main_->integrator;
+    const double t_end = integrator.t();
     // Output times are k * interval, never accumulated; the last one may be the duration to rounding.
     for (;; ++next_row_) {
       double t = static_cast<double>(next_row_) * experiment_.output.interval;
@@ -288,9 +342,9 @@ class Runner {
       if (t > t_end || (next_row_ > 0 && t <= 0)) return;
       const Timed timed(result_.times.recording);
       if (t_end > from && t_end > 0)
-        main.integrator.interpolate(t, 0, row_state_);
+        integrator.interpolate(t, 0, row_state_);
       else
-        std::copy(main.integrator.state().begin(), main.integrator.state().end(), row_state_.begin());
+        std::copy(integrator.state().begin(), integrator.state().end(), row_state_.begin());
       const Observation& seen = problem_.observe(std::min(t, limit_), row_state_);
       measurements_.sample(t, seen.command.tip);
       if (recording_)
@@ -333,7 +387,9 @@ class Runner {
   const Experiment& experiment_;
   const RunOptions& options_;
   Arms arms_;
-  ClosedLoop problem_;  // for rows and checks; the integrators have their own copies
+  const ClosedLoop blank_;                   // as it was made
+  ClosedLoop problem_;                       // for rows and checks; the integrators have their own copies
+  std::optional<Simulation> main_, shadow_;  // shadow_: none without verify.shadow
   Measurements measurements_;
   StepCheck step_check_;
   ForceTracking force_;
@@ -349,7 +405,7 @@ class Runner {
   double limit_ = std::numeric_limits<double>::infinity();
   StepInfo last_step_;
   std::vector<double> row_state_, last_state_;
-  long next_row_ = 0;
+  long next_row_ = 0, stops_ = 0;
   Clock::time_point begun_ = Clock::now(), shown_ = Clock::now();
 };
 

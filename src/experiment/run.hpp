@@ -9,6 +9,7 @@
 #include <string>
 
 #include "experiment/measurements.hpp"
+#include "record/restart_point.hpp"
 
 namespace osculate {
 
@@ -27,6 +28,7 @@ struct RunOptions {
   std::optional<std::filesystem::path> output;                           // absent: record nothing
   bool force = false;                                                    // overwrite
   std::string command;                                                   // for the provenance
+  std::optional<RestartPoint> from = {};                                 // go on from there
   const volatile std::sig_atomic_t* signal = nullptr;                    // non-zero: finish properly and stop
   std::function<void(double t, double duration, double wall)> progress;  // called about twice a second
 };

@@ -22,15 +22,27 @@ class Simulation {
   double limit = std::numeric_limits<double>::infinity();  // s
   Integrator integrator;
 
+  /// Begins at t = 0.
   Simulation(const ClosedLoop& problem, std::span<const double> y0, const IntegratorOptions& options)
-      : loop(problem),
-        integrator(
-            [this](double t, const double* y, double* yd) { loop.right_side(std::min(t, limit), y, yd); }, 0,
-            y0, options, loop.event_count(),
-            [this](double t, const double* y, double* g) { loop.events(std::min(t, limit), y, g); }) {
+      : Simulation(problem, 0, y0, options) {
     loop.switch_modes(0, y0);
   }
+  /// Goes on from a restart point at (t, y), which `memory` was written at; see remember().
+  Simulation(const ClosedLoop& problem, double t, std::span<const double> y, const IntegratorOptions& options,
+             Memory& memory)
+      : Simulation(problem, t, y, options) {
+    remember(memory);
+  }
   Simulation(const Simulation&) = delete;  // the integrator holds a pointer to the loop
+
+  /// All but the state and the integrator's own memory: at a restart point that begins anew.
+  void remember(Memory& memory) {
+    long evaluations = rhs_evaluations();
+    memory(loop, event_pending_, evaluations);
+    if (memory.reading()) evaluations_before_ = evaluations;
+  }
+  /// Calls of f since the beginning of the run.
+  long rhs_evaluations() const { return evaluations_before_ + integrator.rhs_evaluations(); }
 
   /// One accepted step. The modes that an event at its end asks for are taken at the start of the next, so
   /// that everything inside this one can still be looked at. Returns the step and whether modes changed
@@ -49,6 +61,13 @@ class Simulation {
   }
 
  private:
+  Simulation(const ClosedLoop& problem, double t0, std::span<const double> y0,
+             const IntegratorOptions& options)
+      : loop(problem),
+        integrator(
+            [this](double t, const double* y, double* yd) { loop.right_side(std::min(t, limit), y, yd); }, t0,
+            y0, options, loop.event_count(),
+            [this](double t, const double* y, double* g) { loop.events(std::min(t, limit), y, g); }) {}
   bool settle() {
     event_pending_ = false;
     const bool changed = loop.switch_modes(std::min(integrator.t(), limit), integrator.state());
@@ -56,6 +75,7 @@ class Simulation {
     return changed;
   }
   bool event_pending_ = false;
+  long evaluations_before_ = 0;  // by integrators before this one
 };
 
 }  // namespace osculate

@@ -91,10 +91,18 @@ Exit run_variant(SweepRun& run, const Experiment& experiment, const RunOptions& 
 
 SweepResult sweep(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                   const SweepOptions& options) {
-  const Experiment base = read_experiment(file, overrides);
+  const auto read = [&file](const std::vector<std::string>& changes) {
+    return read_experiment(file, changes);
+  };
+  return sweep({file.string(), read}, overrides, options);
+}
+
+SweepResult sweep(const SweepSource& source, const std::vector<std::string>& overrides,
+                  const SweepOptions& options) {
+  const Experiment base = source.read(overrides);
   if (base.sweep.variants.empty())
     throw ConfigError(
-        file.string() +
+        source.name +
         ": has no section sweep: say what to change, for instance 'sweep: {key: "
         "controller.sampling.period, values: [0.001, 0.002, 0.004]}', in the file or with --set.");
   SweepResult result;
@@ -103,7 +111,7 @@ SweepResult sweep(const std::filesystem::path& file, const std::vector<std::stri
   std::vector<Experiment> experiments;
   for (const auto& variant : base.sweep.variants) {
     of_variant(variant.name, [&] {
-      experiments.push_back(read_experiment(file, overrides_of(variant, overrides)));
+      experiments.push_back(source.read(overrides_of(variant, overrides)));
       check(experiments.back());
     });
     SweepRun& run = result.runs.emplace_back();
@@ -114,9 +122,12 @@ SweepResult sweep(const std::filesystem::path& file, const std::vector<std::stri
 
   std::optional<ResultFile> recorded;
   if (options.output) {
-    const std::string urdf = load_urdf(base.model.urdf, base.model.choice).urdf_text;
-    recorded.emplace(*options.output, sweep_layout(result, provenance(base, urdf, options.command)),
-                     options.force);
+    NamedFiles files;
+    add_files(base, files);
+    for (const Experiment& experiment : experiments) add_files(experiment, files);
+    auto texts = provenance(base, files.at(base.model.urdf.string()), options.command);
+    texts.push_back({"provenance/directory", base.directory.string(), "where relative paths start"});
+    recorded.emplace(*options.output, sweep_layout(result, std::move(texts), files), options.force);
   }
   RunOptions each;
   each.command = options.command;

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "experiment/embedded.hpp"
 #include "experiment/run.hpp"
 #include "record/result_file.hpp"
 
@@ -80,18 +81,28 @@ struct Slope {
 /// and all are > 0.
 std::vector<Slope> slopes(const SweepResult& result);
 
-/// Runs the variants of the file, one after the other. Reads and checks all of them before the first one
+/// Where the experiment of a sweep comes from: its name for messages, and how it is read with overrides.
+struct SweepSource {
+  std::string name;
+  std::function<Experiment(const std::vector<std::string>& overrides)> read;
+};
+
+/// Runs the variants of an experiment, one after the other. Reads and checks all of them before the first one
 /// runs, and makes the result file then, so that nothing is computed in vain. A run that fails does not stop
 /// the others; a signal does. Throws ConfigError (also where there is no sweep), ModelError, ReferenceError
 /// (nothing has been run) or FileError.
+SweepResult sweep(const SweepSource& source, const std::vector<std::string>& overrides,
+                  const SweepOptions& options);
+/// The same of an experiment file.
 SweepResult sweep(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                   const SweepOptions& options);
 
 /// The table and the slopes as text for stdout.
 std::string report(const SweepResult& result);
 
-/// The result file: names and provenance at the start, numbers at the end. docs/sweeps.md lists it.
-Layout sweep_layout(const SweepResult& planned, std::vector<Text> provenance);
+/// The result file: names and provenance at the start, numbers at the end; `files` are those that any variant
+/// names. docs/sweeps.md lists it.
+Layout sweep_layout(const SweepResult& planned, std::vector<Text> provenance, const NamedFiles& files);
 Ending sweep_ending(const SweepResult& result);
 /// complete | interrupted, and pass | fail | as_expected, of a sweep as a whole.
 std::string sweep_status(const SweepResult& result);

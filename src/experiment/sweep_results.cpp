@@ -196,7 +196,7 @@ std::string report(const SweepResult& result) {
   return out + slope_text(result);
 }
 
-Layout sweep_layout(const SweepResult& planned, std::vector<Text> provenance) {
+Layout sweep_layout(const SweepResult& planned, std::vector<Text> provenance, const NamedFiles& files) {
   Layout layout;
   layout.title = planned.name;
   std::vector<std::string> names, changes;
@@ -206,6 +206,13 @@ Layout sweep_layout(const SweepResult& planned, std::vector<Text> provenance) {
   }
   layout.axes = {{"variant", names, "", "variants of the experiment"}};
   layout.lists = {{"changes", "variant", changes, "key.path=value, one a line, as of --set"}};
+  std::vector<std::string> paths, texts;
+  for (const auto& [path, text] : files) {
+    paths.push_back(path);
+    texts.push_back(text);
+  }
+  layout.axes.push_back({"file", paths, "", "files that the variants name"});
+  layout.lists.push_back({"provenance/file_text", "file", texts, "what was in them"});
   layout.texts = std::move(provenance);
   layout.texts.push_back({"provenance/swept_key", planned.key, "the key that changes, if it is one"});
   return layout;

@@ -46,8 +46,9 @@ struct Track {
   std::vector<Column> columns;
   std::size_t row_size = 0;
   hsize_t chunk_rows = 0;
-  hsize_t written_rows = 0;
+  hsize_t written_rows = 0;    // in whole chunks
   std::vector<double> buffer;  // whole rows; never more than chunk_rows of them
+  hsize_t flushed_rows = 0;    // of the buffer, in a part-full chunk
 
   hsize_t buffered_rows() const { return buffer.size() / row_size; }
 };
@@ -113,6 +114,7 @@ struct ResultFile::Impl {
   Impl(const path& where, const Layout& layout, bool force);
   ~Impl();
   void create_objects(const Layout& layout);
+  void write_rows(Track& track);
   void flush_rows(Track& track);
   void write_column(Track& track, Column& column, hsize_t rows);
   void close_file();
@@ -264,16 +266,23 @@ void ResultFile::Impl::write_column(Track& track, Column& column, hsize_t rows) 
   // Compressing a smooth record costs more than simulating it and saves a third: a chunk in which few values
   // repeat those of the row before is stored as it is, past the filters. The last one is filled up with
   // zeros.
-  if (column.kind != Kind::small && std::endian::native == std::endian::little) {
-    const std::span<const std::uint64_t> block = gather(track, column, words, word);
-    if (2 * repeated(block, column.count) < block.size()) {
-      words.resize(track.chunk_rows * column.count);
-      constexpr std::uint32_t no_filter = 0xffffffff;
-      check(H5Dwrite_chunk(column.dataset, H5P_DEFAULT, no_filter, start.data(),
-                           words.size() * sizeof words[0], words.data()),
-            "write", column.path);
-      check(H5Dflush(column.dataset), "write", column.path);
-      return;
+  // So is a chunk that is written part full: to fill it up then changes none of the bytes that are there, so
+  // that a run that is killed meanwhile leaves the rows before whole.
+  const auto store = [&](auto& block) {
+    block.resize(track.chunk_rows * column.count);
+    constexpr std::uint32_t no_filter = 0xffffffff;
+    check(H5Dwrite_chunk(column.dataset, H5P_DEFAULT, no_filter, start.data(), block.size() * sizeof block[0],
+                         block.data()),
+          "write", column.path);
+    check(H5Dflush(column.dataset), "write", column.path);
+  };
+  if (std::endian::native == std::endian::little) {
+    if (column.kind != Kind::small) {
+      const std::span<const std::uint64_t> block = gather(track, column, words, word);
+      if (track.flushed_rows > 0 || 2 * repeated(block, column.count) < block.size()) return store(words);
+    } else if (track.flushed_rows > 0) {
+      gather(track, column, bytes, small);
+      return store(bytes);
     }
   }
   const Handle target = check(H5Dget_space(column.dataset), H5Sclose, "write", column.path);
@@ -293,13 +302,18 @@ void ResultFile::Impl::write_column(Track& track, Column& column, hsize_t rows) 
 
 /// Writes the buffered rows of every variable of the track; the axis last, so that a reader who goes by its
 /// length finds the others there.
-void ResultFile::Impl::flush_rows(Track& track) {
-  const hsize_t rows = track.buffered_rows();
-  if (rows == 0) return;
+void ResultFile::Impl::write_rows(Track& track) {
   state = State::write_failed;  // stays so if a write throws
-  for (std::size_t i = track.columns.size(); i-- > 0;) write_column(track, track.columns[i], rows);
+  for (std::size_t i = track.columns.size(); i-- > 0;)
+    write_column(track, track.columns[i], track.buffered_rows());
   state = State::writing;
-  track.written_rows += rows;
+}
+
+void ResultFile::Impl::flush_rows(Track& track) {
+  if (track.buffer.empty()) return;
+  write_rows(track);
+  track.written_rows += track.buffered_rows();
+  track.flushed_rows = 0;
   track.buffer.clear();
 }
 
@@ -314,6 +328,20 @@ ResultFile::ResultFile(const path& file, const Layout& layout, bool force)
 
 ResultFile::~ResultFile() = default;
 ResultFile::ResultFile(ResultFile&&) noexcept = default;
+
+std::size_t ResultFile::rows(const std::string& axis) const {
+  row_size(axis);
+  const Track& track = impl_->tracks.at(axis);
+  return track.written_rows + track.buffered_rows();
+}
+
+void ResultFile::flush(const std::string& axis) {
+  row_size(axis);
+  Track& track = impl_->tracks.at(axis);
+  if (track.buffered_rows() == track.flushed_rows) return;
+  track.flushed_rows = track.buffered_rows();
+  impl_->write_rows(track);
+}
 
 std::size_t ResultFile::row_size(const std::string& axis) const {
   const auto track = impl_->tracks.find(axis);

@@ -105,6 +105,14 @@ class ResultFile {
   /// written.
   void append(const std::string& axis, std::span<const double> row);
 
+  /// Writes the rows along this axis that are still in memory, in a chunk that is part full: for rows that
+  /// others will refer to. What is appended later fills that chunk up, which then stays uncompressed. Throws
+  /// FileError.
+  void flush(const std::string& axis);
+
+  /// Rows appended along this axis.
+  std::size_t rows(const std::string& axis) const;
+
   /// Values in one row of `append` along this axis.
   std::size_t row_size(const std::string& axis) const;
 

@@ -21,6 +21,10 @@ Vec<Force, double> to_force(const Vector6& v) { return {{v[0], v[1], v[2]}, {v[3
 // enough.
 constexpr double far_from_singular = 1e3;
 
+// The force of a sample depends, by extrapolation, on velocities of the two samples before it, and the next
+// sample uses the forces of the last two: no sample before the last four matters to it.
+constexpr std::size_t samples_that_matter = 4;
+
 // Whether a plant can take over placement and sweep 1 from the controller's sweeps; else it takes over
 // cosines and sines alone.
 template <class PlantDynamics, class Space>
@@ -109,6 +113,10 @@ void ClosedLoop::control(double t, const double* y) {
 }
 
 void ClosedLoop::sample(double t, std::span<const double> y) {
+  if (controller_.options().sampling->delay != Delay::none) {
+    if (taken_.size() == samples_that_matter) taken_.erase(taken_.begin());
+    taken_.push_back({t, modes_, controller_.sensed(), {y.begin(), y.end()}});
+  }
   move(t, y.data());
   control(t, y.data());
   computed_ = seen_.torque;
@@ -117,6 +125,21 @@ void ClosedLoop::sample(double t, std::span<const double> y) {
   if (singularity.policy == SingularPolicy::none && measure >= 0 && measure < singularity.threshold)
     throw IntegrationStopped(Reason::singular, controller_.singular_message(
                                                    t, controller_.compliance(t, q(y.data()), qd(y.data()))));
+}
+
+void ClosedLoop::remember(Memory& memory) {
+  std::vector<Sample> samples = taken_;
+  memory(samples);
+  if (memory.reading()) {
+    taken_.clear();
+    for (const Sample& past : samples) {
+      set_modes(past.modes);
+      controller_.set_sensed(past.sensed);
+      sample(past.t, past.y);
+    }
+  }
+  memory(modes_, computed_, held_, controller_);
+  set_modes(modes_);
 }
 
 void ClosedLoop::right_side(double t, const double* y, double* yd) { evaluate(t, y, yd, false); }

@@ -50,6 +50,7 @@ struct Modes {
   bool contact = false;
   int truncated = 0;  // directions that policy truncated leaves out
   bool operator==(const Modes&) const = default;
+  void remember(Memory& memory) { memory(contact, truncated); }
 };
 
 class ClosedLoop {
@@ -102,6 +103,11 @@ class ClosedLoop {
   /// Tip velocity of the plant in the last evaluation, by its own recursion.
   Vector6 plant_tip_velocity() const;
 
+  /// Modes, held torque and what the law keeps from sample to sample. A loop that is as it was made and reads
+  /// them goes on as the one that wrote them. The values that a delay uses are computed anew, from the states
+  /// of the samples that they depend on.
+  void remember(Memory& memory);
+
  private:
   using Dynamics =
       std::variant<BasicForwardDynamics<Hinge<double>>, BasicForwardDynamics<Joint<double>>, DensePlant>;
@@ -130,6 +136,16 @@ class ClosedLoop {
   Modes modes_;
   std::vector<JointPosition<double>> joints_;
   std::vector<double> net_torque_, computed_, held_;  // computed_ and held_: of a sampled law
+  /// What one sample of a law with delay saw, and what its sensors knew before.
+  struct Sample {
+    double t = 0;  // s
+    Modes modes;
+    SensorMemory sensed;
+    std::vector<double> y;
+
+    void remember(Memory& memory) { memory(t, modes, sensed, y); }
+  };
+  std::vector<Sample> taken_;  // the last of them
   Observation seen_;
   std::vector<double> derivative_;
 };

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "control/memory.hpp"
+
 namespace osculate {
 
 enum class Method {
@@ -43,6 +45,8 @@ struct StepInfo {
   double local_error = 0;  // largest estimated local error in units of its tolerance
   bool at_stop = false;    // t is the stop time
   bool at_event = false;   // t is a zero of an event function: the step was cut short there
+
+  void remember(Memory& memory) { memory(t, h, order, local_error, at_stop, at_event); }
 };
 
 class Integrator {

@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "control/law.hpp"
+#include "control/memory.hpp"
 #include "reference/conditioning.hpp"
 #include "reference/dense.hpp"
 #include "verification/coordinate_check.hpp"
@@ -73,6 +74,8 @@ struct Residual {
   double value = 0;
   double bound = 0;
   bool applies = true;
+
+  void remember(Memory& memory) { memory(value, bound, applies); }
 };
 using Residuals =
     std::array<Residual, claim_count>;  // by Claim; the trajectory claims are left empty by `assess`

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "control/memory.hpp"
 #include "control/reference.hpp"
 
 namespace osculate {
@@ -23,6 +24,7 @@ class CrossCoupling {
   const Matrix6& worst() const { return worst_; }
   /// First time of each of these, s.
   const Matrix6& time() const { return time_; }
+  void remember(Memory& memory) { memory(worst_, time_); }
 
  private:
   Matrix6 worst_, time_;

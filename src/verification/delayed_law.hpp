@@ -3,6 +3,7 @@
 #pragma once
 
 #include "control/law.hpp"
+#include "control/memory.hpp"
 #include "reference/operators.hpp"
 
 namespace osculate {
@@ -17,18 +18,21 @@ class DelayedLaw {
   /// tip_force: the wrench on the tip that the law knows.
   VectorX<double> torque(std::span<const double> q, const VectorX<double>& qd, const VectorX<double>& u,
                          const VectorX<double>& T0, const Vector6& tip_force);
+  void remember(Memory& memory) { memory(samples_, last_, before_, last_F_, before_F_); }
 
  private:
   /// a(1) ... a(n), a(0), b(1) ... b(n): n + 1 accelerations and n forces, six numbers each.
   struct Biases {
     std::vector<Vector6> a, b;
+
+    void remember(Memory& memory) { memory(a, b); }
   };
 
   Chain<double> model_;
   LawOptions options_;
   long samples_ = 0;
-  Biases last_, before_;       // of the sample before, and of the one before that; link axes
-  Vector6 last_F_, before_F_;  // tip axes
+  Biases last_, before_;  // of the sample before, and of the one before that; link axes
+  Vector6 last_F_ = Vector6::Zero(), before_F_ = Vector6::Zero();  // tip axes
 };
 
 }  // namespace osculate

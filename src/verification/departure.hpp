@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "control/memory.hpp"
 #include "control/reference.hpp"
 #include "recursion/task.hpp"
 
@@ -18,6 +19,7 @@ struct Peak {
   double time = std::numeric_limits<double>::quiet_NaN();
 
   void add(double t, double x);
+  void remember(Memory& memory) { memory(value, time); }
 };
 
 /// Time for which something held, s, and when it held first and last.
@@ -27,6 +29,7 @@ struct TimeSpent {
 
   /// The step of length h that ends at t.
   void add(double t, double h);
+  void remember(Memory& memory) { memory(total, first, last); }
 };
 
 /// Limits of the joints, base to tip; infinite where there is none, an empty list where there are none at
@@ -58,6 +61,12 @@ struct DepartureResult {
   TimeSpent singularity_policy, saturated;
   std::vector<TimeSpent> beyond_position;                 // for each position coordinate
   std::vector<TimeSpent> beyond_velocity, beyond_effort;  // for each velocity coordinate
+
+  /// Without the root mean squares, which are found at the end.
+  void remember(Memory& memory) {
+    memory(angular_acceleration, linear_acceleration, orientation, position, torque, singularity_policy,
+           saturated, beyond_position, beyond_velocity, beyond_effort);
+  }
 };
 
 class Departure {
@@ -69,6 +78,10 @@ class Departure {
   /// step counts for all of it.
   void add(double t, double h, const DepartureInput& at);
   DepartureResult result() const;
+  void remember(Memory& memory) {
+    memory(so_far_, last_error_.angular, last_error_.linear, duration_, orientation_squares_,
+           position_squares_);
+  }
 
  private:
   /// Lengths of a vector on the angular and on the linear task rows.

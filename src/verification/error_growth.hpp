@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "control/memory.hpp"
+
 namespace osculate {
 
 /// error ~ time^exponent, by least squares over the later half of log time, of the largest error so far: an
@@ -33,6 +35,7 @@ class ErrorGrowth {
     double error = 0;
   };
   std::vector<Bin> bins() const;
+  void remember(Memory& memory) { memory(worst_, width_, last_); }
 
  private:
   std::vector<double> worst_;

@@ -19,6 +19,7 @@ class ForceTracking {
   /// Pressure on the surface against that of the closed form since the tip touched down, relative to the
   /// desired one. `contact`: the tip is in contact. `error`: of the run, which bounds the claim.
   Residual assess(const Observation& seen, bool contact, const GlobalError& error);
+  void remember(Memory& memory) { memory(start_time_, start_); }
 
  private:
   std::string reason_;

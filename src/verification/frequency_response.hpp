@@ -5,6 +5,7 @@
 #include <complex>
 #include <vector>
 
+#include "control/memory.hpp"
 #include "model/chain.hpp"
 
 namespace osculate {
@@ -26,6 +27,9 @@ class SineFit {
   /// error in x grows. Errors of at most e in every x make at most sqrt(2) condition() e in an amplitude. 1
   /// at best, which many whole periods of all frequencies come near. Infinite where amplitudes() throws.
   double condition() const;
+  void remember(Memory& memory) {
+    memory(normal_, normal_rest_, right_, right_rest_, offset_, latest_, samples_);
+  }
 
  private:
   /// The scaled equations: basis sqrt(2) cos, sqrt(2) sin, 1, divided by the number of samples.

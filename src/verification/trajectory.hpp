@@ -29,6 +29,9 @@ struct GlobalError {
   double tolerance = 0;     // local error that the integrator allows in a joint of the size of 1 rad or 1 m
 
   void add(const Observation& run, const Observation& shadow);
+  void remember(Memory& memory) {
+    memory(position, orientation, velocity, joints, position_now, energy, imbalance, known);
+  }
 };
 
 /// Multiple of the estimate that bounds a claim. The estimate misses the shadow's own error (a few per cent)
@@ -65,6 +68,12 @@ class TrajectoryClaims {
   double worst_position() const { return worst_position_; }
   double worst_orientation() const { return worst_orientation_; }
 
+  void remember(Memory& memory) {
+    memory(left_the_law_, commanded_, clean_, segment_start_, segment_.e, segment_.ed, energy_start_,
+           potential_start_, energy_scale_, worst_imbalance_, widest_bound_, tolerance_, energy_steps_,
+           worst_position_, worst_orientation_);
+  }
+
  private:
   /// Rounding of forward kinematics and energies, relative to 1 rad, to the reach and to the terms summed.
   double rounding() const;
@@ -94,6 +103,8 @@ class TrajectoryClaims {
   double energy_floor_ = 0;                        // J, energies below this are those of an arm at rest
   struct Imbalance {
     double value = 0, bound = 0, time = 0;  // J, J, s
+
+    void remember(Memory& memory) { memory(value, bound, time); }
   };
   /// The instant with the largest ratio, for each power of ten of the energy moved until then.
   std::map<int, Imbalance> worst_imbalance_;

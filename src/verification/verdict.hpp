@@ -17,6 +17,9 @@ struct ClaimResult {
   Residual worst;      // of the step with the largest residual / bound
   double at_time = 0;  // s
   long undecided_steps = 0, checked_steps = 0;
+
+  /// Outcome and reason are found at the end.
+  void remember(Memory& memory) { memory(worst, at_time, undecided_steps, checked_steps); }
 };
 
 class Verdict {
@@ -26,6 +29,7 @@ class Verdict {
   /// Final results; `reasons[i]` says why claim i never applied.
   std::array<ClaimResult, claim_count> results(
       const std::array<std::string, claim_count>& reasons = {}) const;
+  void remember(Memory& memory) { memory(worst_, failed_); }
 
  private:
   std::array<ClaimResult, claim_count> worst_{};

@@ -159,7 +159,7 @@ TEST_CASE("what goes into the file fits its layout") {
   words.runs[0].value.reset();
   CHECK(sweep_ending(words).axes.empty());
   CHECK_THROWS_AS(table_of(sweep_ending(words), "value"), std::out_of_range);
-  CHECK(sweep_layout(words, {}).axes.at(0).labels == std::vector<std::string>{"1.000000", "10.000000"});
+  CHECK(sweep_layout(words, {}, {}).axes.at(0).labels == std::vector<std::string>{"1.000000", "10.000000"});
 }
 
 TEST_CASE("status and verdict of a sweep") {

@@ -1,0 +1,26 @@
+#include "record/texts.hpp"
+
+#include "record/hdf5_read.hpp"
+
+namespace osculate {
+
+using hdf5::Check;
+using hdf5::Handle;
+
+ResultTexts read_texts(const std::filesystem::path& file) {
+  const Check check{file, ""};
+  const Handle opened = hdf5::open_result(file, check);
+  const Handle root = check(H5Gopen2(opened, "/", H5P_DEFAULT), H5Gclose, "open the root group");
+  const auto status = hdf5::text_attribute(root, "status");
+  if (!status)
+    throw FileError(file.string() + ": is not a result file of osculate: it has no root attribute 'status'");
+  const hdf5::Input input = hdf5::read_input(root, check);
+  ResultTexts out;
+  out.status = *status;
+  for (const Text& text : input.layout.texts) out.texts[text.path] = text.value;
+  for (const StringList& list : input.layout.lists) out.lists[list.path] = list.values;
+  for (const Axis& axis : input.layout.axes) out.lists[axis.name] = axis.labels;
+  return out;
+}
+
+}  // namespace osculate
