@@ -125,7 +125,7 @@ Experiment read_document(const yaml::Value& document, const std::string& source,
   const Map root({&document, "", document.place}, sections);
   Experiment out;
   out.file = source;
-  out.directory = resolve(directory, "").parent_path();
+  out.directory = resolve(directory, ".").parent_path();
   out.name = source.empty() ? "experiment" : out.file.stem().string();
   read(root.at("name"), out.name);
   if (out.name.find('/') != std::string::npos) fail(root.at("name"), "must not contain '/': it names files.");

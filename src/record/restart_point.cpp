@@ -29,6 +29,26 @@ const Source& source_of(const std::vector<Source>& sources, const std::string& p
   return *found;
 }
 
+/// The variables of a file in the order in which another one wants them.
+std::vector<Source> in_order(std::vector<Source>& sources, const std::vector<std::string>& wanted,
+                             const Check& check) {
+  const auto refuse = [&](const std::string& path) {
+    throw FileError(
+        check.file.string() + ": '" + path +
+        "' is not in both layouts: another version of osculate wrote the file; resume it with that one");
+  };
+  std::vector<Source> out;
+  for (const std::string& path : wanted) {
+    const auto found =
+        std::find_if(sources.begin(), sources.end(), [&](const Source& s) { return s.path == path; });
+    if (found == sources.end()) refuse(path);
+    out.push_back(std::move(*found));
+    sources.erase(found);
+  }
+  if (!sources.empty()) refuse(sources.front().path);
+  return out;
+}
+
 /// Rows of an axis that are on disk whole for every variable.
 hsize_t whole_rows(const std::vector<Source>& sources) {
   hsize_t rows = sources.at(0).extent[0];
@@ -109,16 +129,9 @@ std::optional<RestartPoint> last_restart_point(const std::filesystem::path& file
 void copy_until(const RestartPoint& point, ResultFile& file) {
   const Check check{point.file, ""};
   Handle opened;
-  const Input input = open_input(point.file, opened, check);
-  for (const auto& [axis, rows] : point.rows) {
-    const std::vector<Source>& sources = input.sources.at(axis);
-    std::size_t values = 0;
-    for (const Source& source : sources) values += source.count();
-    if (values != file.row_size(axis))
-      throw FileError(point.file.string() + ": has other variables along '" + axis +
-                      "' than this version of osculate writes; resume it with the version that wrote it");
-    hdf5::copy_rows(sources, axis, rows, check, file);
-  }
+  Input input = open_input(point.file, opened, check);
+  for (const auto& [axis, rows] : point.rows)
+    hdf5::copy_rows(in_order(input.sources.at(axis), file.variables(axis), check), axis, rows, check, file);
 }
 
 }  // namespace osculate

@@ -335,6 +335,13 @@ std::size_t ResultFile::rows(const std::string& axis) const {
   return track.written_rows + track.buffered_rows();
 }
 
+std::vector<std::string> ResultFile::variables(const std::string& axis) const {
+  row_size(axis);
+  std::vector<std::string> out;
+  for (const Column& column : impl_->tracks.at(axis).columns) out.push_back(column.path);
+  return out;
+}
+
 void ResultFile::flush(const std::string& axis) {
   row_size(axis);
   Track& track = impl_->tracks.at(axis);

@@ -113,6 +113,9 @@ class ResultFile {
   /// Rows appended along this axis.
   std::size_t rows(const std::string& axis) const;
 
+  /// The axis and its variables, in the order of `append`.
+  std::vector<std::string> variables(const std::string& axis) const;
+
   /// Values in one row of `append` along this axis.
   std::size_t row_size(const std::string& axis) const;
 

@@ -140,7 +140,7 @@ class Diff(WithResults):
         with h5py.File(a) as file:
             self.assertEqual(struct.pack("<d", file["trajectory/joint_velocity"][0, 0]), bytes(8))
         self.assertIn("the sign of zero", changed(to("trajectory/joint_velocity", (0, 0), -0.0)))
-        self.assertIn("verdict/claim[2], ", changed(to("verdict/claim", 2, "cc")) + ", ")
+        self.assertIn("first divergence: verdict/claim[2]\n  'c'  in", changed(to("verdict/claim", 2, "cc")))
         self.assertIn("attribute units: 'm' against 'mm'",
                       changed(lambda file: file["trajectory/tip_position"].attrs.__setitem__("units", "mm")))
         self.assertIn("only in the first file", changed(lambda file: file.__delitem__("energy/work")))
@@ -310,7 +310,8 @@ class Resume(WithResults):
         "puma560_touch": ("output.restart_interval=0.3",),
         "puma560_force": ("output.restart_interval=0.4",),
         "puma560_obstacle": ("output.restart_interval=0.3", "integrator.method=bdf", "integrator.rtol=1e-7"),
-        "puma560_frequency": ("duration=6", "output.restart_interval=0.7", "expect.fails=[frequency_response]"),
+        "puma560_frequency": ("duration=12", "output.restart_interval=0.7"),  # stopped in the midst of the fit
+        "puma560_wrist_truncated": ("output.restart_interval=0.3",),
         "prismatic_arm_waypoints": ("output.restart_interval=0.5",),
         # sampled laws: with values of old samples, sensors, a late torque, a slow monitor
         "puma560_sampled": ("duration=2", "output.restart_interval=0.2", "integrator.method=adams"),
@@ -327,7 +328,7 @@ class Resume(WithResults):
                 whole = self.folder / "whole.h5"
                 done = call("run", EXPERIMENTS / f"{experiment}.yaml", "-o", whole, "--force", *settings(*changes))
                 self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-                out = self.stopped(experiment, changes, signal.SIGKILL)
+                out = self.stopped(experiment, changes, signal.SIGKILL, points=12 if "frequency" in experiment else 1)
                 target, said = self.resumed(out)
                 self.assertIn("resumed from the restart point at t = ", said)
                 self.identical(whole, target)
@@ -373,20 +374,19 @@ class Resume(WithResults):
                     self.assertNotIn("restart_time", a)
                     self.assertGreaterEqual(len(b["restart_time"]), 9)
                     np.testing.assert_array_equal(a["verdict/result"], b["verdict/result"])
-                    # errors of the integration are all that may differ; peaks and times agree to them
-                    for name in ("trajectory/joint_position", "trajectory/joint_torque", "trajectory/tip_orientation",
-                                 "energy/work", "measured/joint_torque_peak", "measured/cross_coupling",
-                                 "measured/seconds_beyond_position", "measured/position_error",
-                                 "measured/position_rms"):
-                        if name in a:
-                            np.testing.assert_allclose(b[name], a[name], rtol=2e-6, atol=2e-7, err_msg=name)
-                    if experiment in ("puma560_two_sweeps", "puma560_encoders"):  # one step for each sample, both
-                        for name in ("verdict/checked_steps", "solver/rhs_evaluations"):
-                            self.assertLess(abs(int(a[name][-1]) - int(b[name][-1])), 1000)
+                    names = ["trajectory/joint_position", "trajectory/joint_torque", "trajectory/tip_orientation",
+                             "energy/work", "measured/cross_coupling", "measured/position_error",
+                             "measured/mode_changes"]
+                    if "sampling" in a["provenance/experiment"].asstr()[()]:  # the others have peaks of their own steps
+                        names += ["measured/joint_torque_peak", "measured/joint_torque_peak_time"]
                         torque = list(a["verdict/claim"].asstr()).index("torque")
                         self.assertEqual(a["verdict/checked_steps"][torque], b["verdict/checked_steps"][torque])
-                    self.assertGreater(b["solver/rhs_evaluations"][-1], 0)
-                    self.assertTrue((np.diff(b["solver/rhs_evaluations"]) >= 0).all())
+                    for name in names:  # errors of the integration are all that may differ
+                        if name in a:
+                            np.testing.assert_allclose(b[name], a[name], rtol=2e-6, atol=2e-7, err_msg=name)
+                    counts = b["solver/rhs_evaluations"][:]
+                    self.assertTrue((np.diff(counts) >= 0).all())
+                    self.assertGreaterEqual(counts[-1], a["solver/rhs_evaluations"][-1])
 
     def test_refusals(self):
         out = self.result("a.h5", "puma560_circle", "duration=0.1")
@@ -399,7 +399,7 @@ class Resume(WithResults):
         self.assertEqual(call("recover", out).returncode, 0)
         broken = self.folder / "stopped.recovered.h5"
         with h5py.File(broken, "r+") as file:
-            file["restart/memory"][5] = np.inf
+            file["restart/memory"][7] = np.inf  # a truth value
         done = call("resume", broken)
         self.assertEqual(done.returncode, 4)
         self.assertIn("cannot be used", done.stderr)

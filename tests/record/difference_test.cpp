@@ -37,6 +37,9 @@ Layout layout_with_restarts() {
       {"time", {}, "s", "instants"}, {"joint", {"a", "b"}, "", "joints"}, {"step", {}, "1", "steps"}};
   layout.variables = {{"position", {"time", "joint"}, "", "positions"},
                       {"step_time", {"step"}, "s", "end of the step"},
+                      {"first/a", {"time"}, "1", "in a group"},
+                      {"second/a", {"time"}, "1", "in another group"},
+                      {"first/b", {"time"}, "1", "in the group before that"},
                       {"order", {"step"}, "1", "order", Kind::small},
                       {"count", {"step"}, "1", "count", Kind::integer}};
   add_restart_points(layout);
@@ -45,7 +48,7 @@ Layout layout_with_restarts() {
 
 void append(ResultFile& file, int first, int last) {
   for (int i = first; i < last; ++i) {
-    file.append("time", std::vector<double>{i * 0.5, std::sin(i), std::cos(i)});
+    file.append("time", std::vector<double>{i * 0.5, std::sin(i), std::cos(i), 1.5 * i, 2.5 * i, 3.5 * i});
     file.append("step", std::vector<double>{double(i), i * 0.5, double(i % 5), double(i / 40)});
   }
 }
@@ -101,7 +104,7 @@ TEST_CASE("restart points change no row, and are read back with the rows before 
   const Comparison found = compare(scratch / "points.h5", scratch / "one.h5");
   for (const DatasetDifference& difference : found.differences)
     CHECK_THAT(difference.path, Contains("restart"));
-  CHECK(found.datasets == 14);
+  CHECK(found.datasets == 16);
 
   for (const bool finish : {true, false}) {
     const path where = scratch / (finish ? "finished.h5" : "killed.h5");
