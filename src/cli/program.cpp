@@ -17,6 +17,7 @@
 #include "experiment/provenance.hpp"
 #include "experiment/run.hpp"
 #include "experiment/sweep.hpp"
+#include "record/export.hpp"
 #include "record/result_file.hpp"
 
 using namespace osculate;
@@ -231,6 +232,13 @@ int osculate::program(int argc, char** argv) {
   diff_command->add_option("a", file_a, "A.h5")->required();
   diff_command->add_option("b", file_b, "B.h5")->required();
 
+  std::string exported, csv;
+  bool force_export = false;
+  CLI::App* export_command = app.add_subcommand("export", "write a result file as tables of text");
+  export_command->add_option("file", exported, "FILE.h5")->required();
+  export_command->add_option("--csv", csv, "directory for comma-separated values")->required();
+  export_command->add_flag("--force", force_export, "write into a directory that has files");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {
@@ -276,6 +284,12 @@ int osculate::program(int argc, char** argv) {
     });
   } else if (*diff_command) {
     worst = guarded([&] { return diff(file_a, file_b, std::cout); });
+  } else if (*export_command) {
+    worst = guarded([&] {
+      const auto files = export_csv(exported, csv, force_export);
+      std::cout << "exported into " << csv << ": " << files.size() << " files, described in columns.csv\n";
+      return Exit::ok;
+    });
   } else if (*recover_command) {
     worst = guarded([&] {
       std::cout << "recovered into " << recover(damaged, repaired, force_recover).string() << "\n";

@@ -1,192 +1,24 @@
 #include "record/difference.hpp"
 
-#include <hdf5_hl.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
-#include <map>
 
-#include "record/hdf5_read.hpp"
+#include "record/hdf5_whole.hpp"
 
 namespace osculate {
 namespace {
 
-using hdf5::Check;
-using hdf5::Handle;
+using hdf5::Dataset;
+using hdf5::quoted;
+using hdf5::text_of;
+using hdf5::Type;
+using hdf5::WholeFile;
 
 constexpr std::uint64_t incomparable = std::numeric_limits<std::uint64_t>::max();
-
-enum class Type { real, whole, text, other };
-
-/// One dataset of one file.
-struct Dataset {
-  Handle id = {};
-  std::string path = {};
-  Type type = Type::other;
-  std::vector<hsize_t> extent = {};  // rows that count: of a growing one, those of its axis
-  std::vector<std::string> axes = {};
-  std::map<std::string, std::string> attributes = {};
-  bool grows = false;
-
-  std::size_t row_size() const {
-    std::size_t n = 1;
-    for (std::size_t i = 1; i < extent.size(); ++i) n *= extent[i];
-    return n;
-  }
-  hsize_t rows() const { return extent.empty() ? 1 : extent[0]; }
-};
-
-struct File {
-  Check check;
-  Handle id = {};
-  std::map<std::string, std::string> attributes = {};  // of the root
-  std::vector<Dataset> datasets = {};                  // in the order of their creation
-
-  const Dataset* find(const std::string& path) const {
-    const auto found = std::find_if(datasets.begin(), datasets.end(),
-                                    [&](const Dataset& dataset) { return dataset.path == path; });
-    return found == datasets.end() ? nullptr : &*found;
-  }
-};
-
-std::string text_of(double x) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", x);
-  return text;
-}
-
-std::string quoted(const std::string& text) {
-  constexpr std::size_t longest = 60;
-  return "'" + (text.size() <= longest ? text : text.substr(0, longest) + "...") + "'";
-}
-
-/// Texts and numbers; references to axes are compared by the names of the axes.
-std::map<std::string, std::string> attributes_of(hid_t object) {
-  std::map<std::string, std::string> out;
-  const auto add = [](hid_t from, const char* name, const H5A_info_t*, void* into) -> herr_t {
-    const Handle attribute(H5Aopen(from, name, H5P_DEFAULT), H5Aclose);
-    const Handle type(H5Aget_type(attribute), H5Tclose);
-    const Handle space(H5Aget_space(attribute), H5Sclose);
-    const H5T_class_t kind = H5Tget_class(type);
-    std::string value;
-    if (kind == H5T_STRING && H5Tis_variable_str(type) > 0) {
-      value = quoted(hdf5::text_or_empty(from, name));
-    } else if (kind == H5T_STRING) {
-      value.resize(H5Tget_size(type));
-      H5Aread(attribute, type, value.data());
-      value = quoted(value.c_str());
-    } else if (kind == H5T_INTEGER || kind == H5T_FLOAT) {
-      std::vector<double> numbers(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
-      H5Aread(attribute, H5T_NATIVE_DOUBLE, numbers.data());
-      for (const double x : numbers) value += (value.empty() ? "" : " ") + text_of(x);
-    } else {
-      return 0;
-    }
-    (*static_cast<std::map<std::string, std::string>*>(into))[name] = value;
-    return 0;
-  };
-  H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &out);
-  return out;
-}
-
-bool left_out(const std::string& path) {
-  return path.starts_with("provenance/") || path.starts_with("timing/");
-}
-
-void add_dataset(Handle id, const std::string& path, File& file) {
-  const Check& check = file.check;
-  const Handle type = check(H5Dget_type(id), H5Tclose, "read", path);
-  const Handle space = check(H5Dget_space(id), H5Sclose, "read", path);
-  Dataset out{.path = path, .attributes = attributes_of(id)};
-  const H5T_class_t kind = H5Tget_class(type);
-  out.type = kind == H5T_FLOAT                                    ? Type::real
-             : kind == H5T_INTEGER                                ? Type::whole
-             : kind == H5T_STRING && H5Tis_variable_str(type) > 0 ? Type::text
-                                                                  : Type::other;
-  const auto rank = static_cast<std::size_t>(check(H5Sget_simple_extent_ndims(space), "read", path));
-  out.extent.resize(rank);
-  std::vector<hsize_t> largest(rank);
-  check(H5Sget_simple_extent_dims(space, out.extent.data(), largest.data()), "read", path);
-  out.grows = rank > 0 && largest[0] == H5S_UNLIMITED;
-  out.axes = H5DSis_scale(id) > 0 ? std::vector<std::string>{path} : hdf5::axes_of(id, rank);
-  out.id = std::move(id);
-  file.datasets.push_back(std::move(out));
-}
-
-void add_group(hid_t group, const std::string& prefix, File& file) {
-  for (const std::string& name : hdf5::children(group, prefix, file.check)) {
-    const std::string path = prefix + name;
-    if (left_out(path)) continue;
-    Handle child = file.check(H5Oopen(group, name.c_str(), H5P_DEFAULT), H5Oclose, "open", path);
-    if (H5Iget_type(child) == H5I_GROUP) add_group(child, path + "/", file);
-    if (H5Iget_type(child) == H5I_DATASET) add_dataset(std::move(child), path, file);
-  }
-}
-
-File open(const std::filesystem::path& path) {
-  File file{.check = {path, ""}};
-  file.id = hdf5::open_result(path, file.check);
-  const Handle root = file.check(H5Gopen2(file.id, "/", H5P_DEFAULT), H5Gclose, "open the root group");
-  file.attributes = attributes_of(root);
-  add_group(root, "", file);
-  // The axis is written after its variables: while a run goes on they may be longer.
-  for (Dataset& dataset : file.datasets) {
-    const Dataset* axis = dataset.grows ? file.find(dataset.axes[0]) : nullptr;
-    if (axis && !axis->extent.empty()) dataset.extent[0] = std::min(dataset.extent[0], axis->extent[0]);
-  }
-  return file;
-}
-
-/// Rows [first, first + count) as they are stored: bits of doubles, or whole numbers.
-std::vector<std::uint64_t> read_words(const Dataset& dataset, hsize_t first, hsize_t count,
-                                      const Check& check) {
-  std::vector<std::uint64_t> out(count * dataset.row_size());
-  const hid_t type = dataset.type == Type::real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
-  if (dataset.extent.empty()) {
-    check(H5Dread(dataset.id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out.data()), "read", dataset.path);
-    return out;
-  }
-  std::vector<hsize_t> start(dataset.extent.size(), 0), size = dataset.extent;
-  start[0] = first;
-  size[0] = count;
-  const Handle stored = check(H5Dget_space(dataset.id), H5Sclose, "read", dataset.path);
-  const Handle memory(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), H5Sclose);
-  check(H5Sselect_hyperslab(stored, H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr), "read",
-        dataset.path);
-  check(H5Dread(dataset.id, type, memory, stored, H5P_DEFAULT, out.data()), "read", dataset.path);
-  return out;
-}
-
-/// The time of a row along a growing axis: the axis itself if it is in seconds, or a variable "<axis>_time".
-std::optional<double> time_of(const File& file, const std::string& axis, hsize_t row) {
-  const Dataset* dataset = file.find(axis);
-  const auto in_seconds = [](const Dataset* d) {
-    return d && d->type == Type::real && d->attributes.contains("units") &&
-           d->attributes.at("units") == "'s'";
-  };
-  if (!in_seconds(dataset)) dataset = file.find(axis + "_time");
-  if (!in_seconds(dataset) || row >= dataset->rows()) return std::nullopt;
-  return std::bit_cast<double>(read_words(*dataset, row, 1, file.check).at(0));
-}
-
-/// Index of a value of a row-major dataset, by labels along axes of names.
-std::string element_of(const File& file, const Dataset& dataset, std::size_t index) {
-  std::string out;
-  for (std::size_t i = dataset.extent.size(); i-- > 0;) {
-    const std::size_t at = i > 0 ? index % dataset.extent[i] : index;
-    if (i > 0) index /= dataset.extent[i];
-    const Dataset* axis = file.find(dataset.axes[i]);
-    std::string label = std::to_string(at);
-    if (axis && axis != &dataset && axis->type == Type::text)
-      label = hdf5::read_strings(axis->id, axis->path, file.check).at(at);
-    out = label + (out.empty() ? "" : ", ") + out;
-  }
-  return out;
-}
 
 std::string size_of(double a, double b) {
   const std::uint64_t ulps = ulps_between(a, b);
@@ -204,7 +36,7 @@ std::string shape(const std::vector<hsize_t>& extent) {
 /// Compares one dataset that both files have.
 class DatasetComparison {
  public:
-  DatasetComparison(const File& a, const File& b, const Dataset& in_a, const Dataset& in_b)
+  DatasetComparison(const WholeFile& a, const WholeFile& b, const Dataset& in_a, const Dataset& in_b)
       : a_(a), b_(b), in_a_(in_a), in_b_(in_b) {
     out_.path = in_a.path;
   }
@@ -310,7 +142,7 @@ class DatasetComparison {
     out_.first = first;
   }
 
-  const File &a_, &b_;
+  const WholeFile &a_, &b_;
   const Dataset &in_a_, &in_b_;
   DatasetDifference out_;
 };
@@ -335,14 +167,15 @@ std::uint64_t ulps_between(double a, double b) {
 }
 
 Comparison compare(const std::filesystem::path& path_a, const std::filesystem::path& path_b, Compared what) {
-  const File a = open(path_a), b = open(path_b);
+  const WholeFile a = hdf5::open_whole(path_a, hdf5::Part::results),
+                  b = hdf5::open_whole(path_b, hdf5::Part::results);
   Comparison out;
   const bool everything = what == Compared::everything;
   if (everything) {
     auto names = a.attributes;
     names.insert(b.attributes.begin(), b.attributes.end());
     for (const auto& [name, ignored] : names) {
-      const auto in = [&name](const File& file) {
+      const auto in = [&name](const WholeFile& file) {
         return file.attributes.contains(name) ? file.attributes.at(name) : std::string("none");
       };
       if (in(a) != in(b)) out.remarks.push_back("attribute " + name + ": " + in(a) + " against " + in(b));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -22,8 +23,11 @@ using hdf5::stored_type;
 using hdf5::tracked;
 using std::filesystem::path;
 
-/// Rows in a chunk: the power of two in [16, 256] that keeps a chunk of the widest variable within 64 KiB. A
-/// killed run loses at most that many rows.
+using Clock = std::chrono::steady_clock;
+/// Chunks that fill slowly are written as far as they have come this often: a killed run loses no more.
+constexpr std::chrono::seconds flush_every{1};
+
+/// Rows in a chunk: the power of two in [16, 256] that keeps a chunk of the widest variable within 64 KiB.
 hsize_t rows_in_chunk(std::size_t widest_row_bytes) {
   hsize_t rows = 256;
   while (rows > 16 && rows * widest_row_bytes > 65536) rows /= 2;
@@ -109,6 +113,7 @@ struct ResultFile::Impl {
   std::pair<dev_t, ino_t> id;
   std::vector<std::uint64_t> words;  // one column of a chunk on its way
   std::vector<std::int8_t> bytes;
+  Clock::time_point flushed_at = Clock::now();
   enum class State { writing, finished, write_failed } state = State::writing;
 
   Impl(const path& where, const Layout& layout, bool force);
@@ -369,6 +374,9 @@ void ResultFile::append(const std::string& axis, std::span<const double> row) {
     require_storable(column, row.subspan(column.first, column.count));
   track.buffer.insert(track.buffer.end(), row.begin(), row.end());
   if (track.buffered_rows() == track.chunk_rows) impl_->flush_rows(track);
+  if (Clock::now() - impl_->flushed_at < flush_every) return;
+  for (const auto& [name, slow] : impl_->tracks) flush(name);
+  impl_->flushed_at = Clock::now();
 }
 
 // The final changes are made in a copy that then takes the name, because HDF5 writes them in no safe order:

@@ -99,10 +99,10 @@ class ResultFile {
   ResultFile(ResultFile&&) noexcept;
 
   /// Appends one row along an unlimited axis: the axis value, then the values of every variable on that axis
-  /// in the order of the layout, each row-major. Rows are buffered and written as whole chunks. Constant
-  /// memory. Throws std::invalid_argument, and keeps nothing of the row, if it has the wrong size, NaN where
-  /// nothing may be missing, or a number that an integer variable cannot hold; FileError if it cannot be
-  /// written.
+  /// in the order of the layout, each row-major. Rows are buffered and written as whole chunks, and once a
+  /// second as far as they have come. Constant memory. Throws std::invalid_argument, and keeps nothing of the
+  /// row, if it has the wrong size, NaN where nothing may be missing, or a number that an integer variable
+  /// cannot hold; FileError if it cannot be written.
   void append(const std::string& axis, std::span<const double> row);
 
   /// Writes the rows along this axis that are still in memory, in a chunk that is part full: for rows that
