@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <ostream>
 
-#include "model/urdf.hpp"
+#include "experiment/arms.hpp"
 #include "paper/tables.hpp"
 
 namespace osculate {
@@ -75,6 +75,7 @@ Exit print_paper(const PaperOptions& options, std::ostream& out, std::ostream& m
   if (choice.tip.empty())
     if (const auto tips = tip_candidates(options.model); tips.size() == 1) choice.tip = tips.front();
   const ArmDescription arm = load_urdf(options.model, choice);
+  require_simulable(arm);
   for (const auto& warning : arm.warnings) messages << "warning: " << warning << "\n";
   bool fine = check_arm(arm, options.states, out);
   if (options.exact) fine = prove(options.arms, out) && fine;

@@ -9,6 +9,7 @@
 #include <iostream>
 #include <set>
 
+#include "cli/contained.hpp"
 #include "cli/info.hpp"
 #include "cli/paper.hpp"
 #include "cli/replay.hpp"
@@ -291,9 +292,11 @@ int osculate::program(int argc, char** argv) {
       return Exit::ok;
     });
   } else if (*recover_command) {
-    worst = guarded([&] {
-      std::cout << "recovered into " << recover(damaged, repaired, force_recover).string() << "\n";
-      return Exit::ok;
+    worst = contained(damaged, [&] {
+      return guarded([&] {
+        std::cout << "recovered into " << recover(damaged, repaired, force_recover, still_alive).string() << "\n";
+        return Exit::ok;
+      });
     });
   }
   std::cout.flush();

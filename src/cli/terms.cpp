@@ -3,13 +3,14 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <iomanip>
 #include <ostream>
 #include <sstream>
 
 #include "cli/json.hpp"
 #include "experiment/arms.hpp"
+#include "input/limits.hpp"
+#include "input/read_text.hpp"
 #include "verification/step_check.hpp"
 
 namespace osculate {
@@ -81,8 +82,9 @@ State make_state(const std::vector<double>& q, const std::vector<double>& qd, co
 
 std::vector<State> read_states(const std::filesystem::path& file, const TaskRows& rows,
                                const ArmDescription& arm) {
-  std::ifstream in(file);
-  if (!in) throw ConfigError(file.string() + ": cannot be read: check the name and the permissions");
+  const auto [text, fault] = read_text(file, limits::waypoint_bytes, "give a CSV file of states");
+  if (!fault.empty()) throw ConfigError(fault);
+  std::istringstream in(text);
   const auto np = static_cast<std::size_t>(arm.chain.positions());
   const auto nv = static_cast<std::size_t>(arm.chain.velocities());
   std::vector<State> states;
@@ -294,6 +296,7 @@ Vector3<double> parse_vector3(const std::string& text, const std::string& what) 
 
 Exit terms(const TermsOptions& options, std::ostream& out, std::ostream& messages) {
   const ArmDescription arm = load_urdf(options.model, options.choice);
+  require_simulable(arm);
   const TaskRows rows = parse_rows(options.rows);
   std::vector<State> states;
   if (options.states) {

@@ -83,7 +83,7 @@ struct WaypointsOptions {
   std::optional<std::string> text = {};  // what is in it, if that is known already
 };
 
-/// What is in a file; nothing if it cannot be opened.
+/// What is in a file of waypoints; nothing if it cannot be read.
 std::optional<std::string> text_of(const std::filesystem::path& file);
 
 /// One axis after the other: at i * period the reference jumps by amplitude[i] on row i alone, and half a

@@ -3,14 +3,14 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <numbers>
 #include <sstream>
 #include <string_view>
 
 #include "control/reference.hpp"
 #include "control/rotation.hpp"
+#include "input/limits.hpp"
+#include "input/read_text.hpp"
 
 namespace osculate {
 
@@ -124,6 +124,7 @@ std::vector<Waypoint> read_waypoints(const WaypointsOptions& options) {
     }
     const Waypoint next = read_row(place, line, oriented);
     require_order(place, out, next);
+    if (out.size() == limits::waypoints) reject(place, "at most 1e6 waypoints are read: leave some out");
     out.push_back(next);
   }
   place.line = 0;
@@ -231,14 +232,13 @@ class Waypoints final : public Path {
 }  // namespace
 
 std::optional<std::string> text_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return std::nullopt;
-  return std::string{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  const auto [text, fault] = read_waypoint_file(file);
+  if (!fault.empty()) return std::nullopt;
+  return text;
 }
 
 std::unique_ptr<Path> make_path(const WaypointsOptions& options, const Pose& initial) {
-  const auto waypoints =
-      read_waypoints(options.text ? options : WaypointsOptions{options.file, text_of(options.file)});
+  const auto waypoints = read_waypoints(options);
   std::vector<double> times;
   for (const auto& waypoint : waypoints) times.push_back(waypoint.t);
   return std::make_unique<Waypoints>(std::move(times), offsets({options.file.string()}, waypoints, initial));

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "input/limits.hpp"
 #include "reference/dense.hpp"
 
 namespace osculate {
@@ -72,9 +73,18 @@ ArmDescription describe(const ModelConfig& model) {
                          : load_urdf(model.urdf, model.choice);
 }
 
+void require_simulable(const ArmDescription& description) {
+  if (const int n = description.chain.n(); n > limits::joints)
+    throw ModelError(description.source + ": the chain from '" + description.base + "' to '" + description.tip + "' has " +
+                     std::to_string(n) + " joints: at most " + std::to_string(limits::joints) +
+                     " are simulated, as every state is held against definitions that cost O(n^3); choose a shorter "
+                     "chain.");
+}
+
 Arms make_arms(const Experiment& experiment) {
   Arms arms;
   arms.description = describe(experiment.model);
+  require_simulable(arms.description);
   check_against(experiment, arms.description);
   arms.warnings = arms.description.warnings;
 

@@ -21,6 +21,9 @@ ArmDescription describe(const ModelConfig& model);
 /// ConfigError.
 Arms make_arms(const Experiment& experiment);
 
+/// Throws ModelError for a chain of more joints than limits::joints.
+void require_simulable(const ArmDescription& description);
+
 /// Throws ModelError if the articulated inertia D(k) about some joint is not positive at q (base to tip):
 /// then the links outboard of it have no inertia about its axis, and the file's own concerns about link
 /// inertias are quoted.

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 
 #include "experiment/config_sections.hpp"
+#include "input/limits.hpp"
+#include "input/read_text.hpp"
 #include "verification/claims.hpp"
 
 namespace osculate {
@@ -25,9 +23,6 @@ using yaml::Setting;
 const std::vector<std::string> sections{"name",        "model",      "plant",      "initial",  "reference",
                                         "base_motion", "controller", "integrator", "duration", "output",
                                         "verify",      "expect",     "sweep"};
-constexpr double most_samples = 1e8;  // recorded instants of one run; more is a slip of the interval
-constexpr double most_restarts = 1e5;
-constexpr double most_jumps = 1e6;  // of a reference: each is an instant where the integrator starts anew
 
 void read_initial(const Setting& setting, Experiment& out) {
   const Map map(setting, {"q", "qd"});
@@ -138,19 +133,19 @@ Experiment read_document(const yaml::Value& document, const std::string& source,
   out.integrator = read_integrator(root.at("integrator"));
   read(root.at("duration"), out.duration, above_zero());
   if (const auto* axes = std::get_if<EachAxisOptions>(&out.reference);
-      axes != nullptr && out.duration / axes->period > most_jumps)
+      axes != nullptr && out.duration / axes->period > limits::jumps)
     fail(root.at("reference"), "period is too short for the duration: at most 1e6 axes are moved in a run.");
   const Map output(root.at("output"), {"interval", "restart_interval"});
   const auto interval = output.at("interval");
   read(interval, out.output.interval, above_zero());
-  if (out.duration / out.output.interval > most_samples) {
+  if (out.duration / out.output.interval > limits::recorded_instants) {
     const std::string text_of_limit = "is too short for the duration: at most 1e8 instants are recorded.";
     if (interval.given()) fail(interval, text_of_limit);
     fail(root.at("duration"), "is too long for output.interval: at most 1e8 instants are recorded.");
   }
   const auto restarts = output.at("restart_interval");
   read(restarts, out.output.restart_interval, at_least_zero("0 makes no restart points"));
-  if (out.output.restart_interval > 0 && out.duration / out.output.restart_interval > most_restarts)
+  if (out.output.restart_interval > 0 && out.duration / out.output.restart_interval > limits::restarts)
     fail(restarts.given() ? restarts : root.at("duration"),
          "gives more than 1e5 restart points: set output.restart_interval to at least duration / 1e5, or 0.");
   out.verify = read_verify(root.at("verify"));
@@ -192,16 +187,8 @@ Experiment parse_experiment(const std::string& text, const std::string& source,
 
 Experiment read_experiment(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
   const auto source = file.string();
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error))
-    throw ConfigError(source + ": is a directory; give an experiment file.");
-  errno = 0;
-  std::ifstream in(file, std::ios::binary);
-  if (!in)
-    throw ConfigError(source + ": cannot be read: " + (errno != 0 ? std::strerror(errno) : "unknown reason") +
-                      ".");
-  const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (in.bad()) throw ConfigError(source + ": cannot be read to its end.");
+  const auto [text, fault] = read_text(file, limits::experiment_bytes, "give an experiment file");
+  if (!fault.empty()) throw ConfigError(fault);
   return parse_experiment(text, source, file.parent_path(), overrides);
 }
 

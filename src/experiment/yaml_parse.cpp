@@ -8,13 +8,10 @@
 
 #include "experiment/config.hpp"
 #include "experiment/yaml_reader.hpp"
+#include "input/limits.hpp"
 
 namespace osculate::yaml {
 namespace {
-
-// Aliases are copied, so a short text could ask for an endless tree.
-constexpr int deepest = 40;
-constexpr int most_values = 200'000;
 
 /// Makes places. A file has lines and columns, a --set is its own place.
 struct Origin {
@@ -38,8 +35,8 @@ class Builder {
 
   Value build(const YAML::Node& node, int depth = 0) {
     const auto place = origin.at(node.Mark());
-    if (depth > deepest) throw ConfigError(place + ": nested too deeply, or an alias that contains itself.");
-    if (++count > most_values) throw ConfigError(place + ": too many values; are aliases nested?");
+    if (depth > limits::yaml_depth) throw ConfigError(place + ": nested too deeply, or an alias that contains itself.");
+    if (++count > limits::yaml_values) throw ConfigError(place + ": too many values; are aliases nested?");
     Value out;
     out.place = place;
     if (node.IsScalar()) {

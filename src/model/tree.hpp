@@ -45,6 +45,10 @@ std::string printable(const std::string& text);
 /// A name between quotes, printable.
 std::string in_quotes(const std::string& name);
 
+/// The connected tree of a URDF text; `source` is what messages call it. Numbers are not checked yet. Throws
+/// ModelError for a text that is no usable URDF.
+Tree read_tree(const std::string& text, const std::string& source);
+
 /// Finds the way from every link to the root. Throws ModelError where a link has two parent joints or a cycle
 /// exists.
 void connect(Tree& tree);

@@ -8,20 +8,17 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <mutex>
 #include <string_view>
-#include <system_error>
 
+#include "input/limits.hpp"
+#include "input/read_text.hpp"
 #include "model/tree.hpp"
 
 namespace osculate {
 using namespace internal;
 
 namespace {
-
-constexpr std::size_t largest_file = 64u << 20;  // bytes; real files stay below 1 MB
-constexpr int deepest_nesting = 1000;            // levels of XML elements; real files have about six
 
 // ---- the log of urdfdom ----
 
@@ -251,14 +248,26 @@ int nesting(const std::string& text) {
   return deepest;
 }
 
-/// A connected tree. Numbers are not checked yet.
-Tree read_tree(const std::string& text, const std::string& source) {
+std::string read_file(const std::filesystem::path& file) {
+  auto [text, fault] = read_text(file, limits::urdf_bytes, "give a URDF file, without meshes in it");
+  if (!fault.empty()) throw ModelError(fault);
+  return text;
+}
+
+}  // namespace
+
+Tree internal::read_tree(const std::string& text, const std::string& source) {
   if (const auto zero = text.find('\0'); zero != std::string::npos)
     throw ModelError(source + ": byte " + std::to_string(zero) +
                      " is zero: this is no UTF-8 text. Save the file as UTF-8.");
-  if (const int depth = nesting(text); depth > deepest_nesting)
+  if (const int depth = nesting(text); depth > limits::urdf_nesting)
     throw ModelError(source + ": elements are nested " + std::to_string(depth) + " deep, at most " +
-                     std::to_string(deepest_nesting) + " are read. A URDF file needs fewer than ten.");
+                     std::to_string(limits::urdf_nesting) + " are read. A URDF file needs fewer than ten.");
+  std::size_t links = 0;
+  for (auto at = text.find("<link"); at != std::string::npos; at = text.find("<link", at + 1)) ++links;
+  if (links > limits::urdf_links)
+    throw ModelError(source + ": " + std::to_string(links) + " links, at most " + std::to_string(limits::urdf_links) +
+                     " are read. Leave out what does not belong to the arm.");
   const auto [model, errors] = parse(text);
   if (!model) {
     const std::string reason = refusal(errors);
@@ -271,31 +280,6 @@ Tree read_tree(const std::string& text, const std::string& source) {
   connect(tree);
   return tree;
 }
-
-std::string read_file(const std::filesystem::path& file) {
-  const std::string source = file.string();
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored))
-    throw ModelError(source + ": is a directory. Give a URDF file.");
-  if (!std::filesystem::exists(file, ignored))
-    throw ModelError(source +
-                     ": no such file. Check the path; relative paths start at the current directory.");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw ModelError(source + ": cannot be opened for reading. Check its permissions.");
-  std::string text;
-  std::array<char, 1 << 16> block;
-  while (in.read(block.data(), block.size()) || in.gcount() > 0) {
-    text.append(block.data(), static_cast<std::size_t>(in.gcount()));
-    if (text.size() > largest_file)
-      throw ModelError(
-          source + ": larger than 64 MB. No arm needs that much: give a URDF file, without meshes in it.");
-  }
-  if (in.bad())
-    throw ModelError(source + ": reading failed after " + std::to_string(text.size()) + " bytes.");
-  return text;
-}
-
-}  // namespace
 
 ArmDescription parse_urdf(const std::string& text, const std::string& source, const ChainChoice& choice) {
   const auto tree = read_tree(text, source);

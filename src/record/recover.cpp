@@ -48,11 +48,7 @@ void require_unfinished(hid_t root, const path& in) {
                     "): there is nothing to recover");
 }
 
-}  // namespace
-
-path recover(const path& in, const path& out, bool force) {
-  hdf5::prepare_library();
-  require_recoverable_name(in);
+path copy(const path& in, const path& out, bool force, const std::function<void()>& alive) {
   const Check check{in, ""};
   const Handle file = hdf5::open_result(in, check);
   const Handle root = check(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "open the root group");
@@ -64,7 +60,7 @@ path recover(const path& in, const path& out, bool force) {
   for (const auto& [axis, sources] : input.sources) {
     hsize_t shortest = sources.at(0).extent[0], longest = 0;
     for (const Source& source : sources) {
-      shortest = std::min(shortest, readable_rows(source));
+      shortest = std::min(shortest, hdf5::readable_rows(source, alive));
       longest = std::max(longest, source.extent[0]);
     }
     kept[axis] = shortest;
@@ -83,7 +79,8 @@ path recover(const path& in, const path& out, bool force) {
   const path unfinished = path(target) += ".tmp";  // so that the final name never bears half of the rows
   try {
     ResultFile output(unfinished, input.layout, true);
-    for (const auto& [axis, sources] : input.sources) copy_rows(sources, axis, kept.at(axis), check, output);
+    for (const auto& [axis, sources] : input.sources)
+      hdf5::copy_rows(sources, axis, kept.at(axis), check, output, alive);
     output.finish("recovered", "");
     std::filesystem::rename(unfinished, target);
   } catch (const std::filesystem::filesystem_error& failure) {
@@ -93,6 +90,18 @@ path recover(const path& in, const path& out, bool force) {
     throw;
   }
   return target;
+}
+
+}  // namespace
+
+path recover(const path& in, const path& out, bool force, const std::function<void()>& alive) {
+  hdf5::prepare_library();
+  require_recoverable_name(in);
+  try {
+    return copy(in, out, force, alive);
+  } catch (const std::invalid_argument& fault) {  // what it says of itself cannot be written again
+    throw FileError(in.string() + ": is not a result file of osculate, or a damaged one: " + fault.what());
+  }
 }
 
 }  // namespace osculate

@@ -189,5 +189,5 @@ TEST_CASE("waypoint files that cannot be used are named with line, value and rem
 
 TEST_CASE("a waypoint file that is not there is named") {
   CHECK_THROWS_WITH(make_path(WaypointsOptions{"no/such/file.csv"}, Pose{}),
-                    "no/such/file.csv: cannot be read; check the path of reference.file.");
+                    "no/such/file.csv: no such file; check the path of reference.file.");
 }

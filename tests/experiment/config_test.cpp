@@ -172,7 +172,7 @@ TEST_CASE("files that cannot be read") {
   };
   const auto name = (folder / "x.yaml").string();
   CHECK(read_message(folder / "none.yaml") ==
-        (folder / "none.yaml").string() + ": cannot be read: No such file or directory.");
+        (folder / "none.yaml").string() + ": no such file; give an experiment file.");
   CHECK(read_message(folder) == folder.string() + ": is a directory; give an experiment file.");
   for (const auto* text : {"", "\n\n", "# nothing\n", "~\n"})
     CHECK(read_message(write(text)) ==

@@ -10,17 +10,18 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2] / "src"
 # What each layer may include, besides itself.
 SEES = {
     "scalar": set(),
+    "input": set(),
     "spatial": {"scalar"},
-    "model": {"scalar"},
+    "model": {"scalar", "input"},
     "recursion": {"scalar", "spatial", "model"},
     "reference": {"scalar", "model"},
-    "control": {"scalar", "spatial", "model", "recursion", "reference"},
+    "control": {"input", "scalar", "spatial", "model", "recursion", "reference"},
     "simulation": {"scalar", "spatial", "model", "recursion", "control", "reference"},
     "verification": {"scalar", "spatial", "model", "recursion", "reference", "control", "simulation"},
     "paper": {"scalar", "spatial", "model", "recursion", "reference"},
-    "record": set(),
-    "experiment": {"scalar", "model", "reference", "recursion", "control", "simulation", "verification", "record", "spatial"},
-    "cli": {"scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment", "paper"},
+    "record": {"input"},
+    "experiment": {"input", "scalar", "model", "reference", "recursion", "control", "simulation", "verification", "record", "spatial"},
+    "cli": {"input", "scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment", "paper"},
 }
 # Sight that a layer has for these files alone: a law must not lean on the oracle that checks it.
 ONLY_FOR = {
