@@ -1,6 +1,6 @@
-// Work on files that may be hostile, in a process of its own. HDF5 1.10 trusts parts of a file that have no checksum
-// (global heaps above all): damaged bytes there can make the library crash, or search for ever. Then only the child
-// ends.
+// Work on files that may be hostile, in a process of its own. HDF5 1.10 trusts parts of a file that have no
+// checksum (global heaps above all): damaged bytes there can make the library crash, or search for ever. Then
+// only the child ends.
 #pragma once
 
 #include <sys/wait.h>
@@ -14,11 +14,11 @@
 
 namespace osculate {
 
-/// Tells the parent that there is progress: within the next two minutes there must be more.
-inline void still_alive() { alarm(120); }
+/// Tells the parent that there is progress: within the next minute there must be more.
+inline void still_alive() { alarm(60); }
 
-/// Does `work` (which reports its own errors and returns an exit code) in a child and returns its code. Where the child
-/// dies, says so of `file` and returns Exit::io_failure. Where there can be no child, does it here.
+/// Does `work` (which reports its own errors and returns an exit code) in a child and returns its code. Where
+/// the child dies, says so of `file` and returns Exit::io_failure. Where there can be no child, does it here.
 template <class Work>
 Exit contained(const std::string& file, const Work& work) {
   std::cout.flush();
@@ -36,7 +36,8 @@ Exit contained(const std::string& file, const Work& work) {
   if (WIFEXITED(status)) return static_cast<Exit>(WEXITSTATUS(status));
   const bool late = WTERMSIG(status) == SIGALRM;
   std::cerr << "osculate: " << file << ": is damaged so that reading it "
-            << (late ? "came to no end" : std::string("crashed the HDF5 library (") + strsignal(WTERMSIG(status)) + ")")
+            << (late ? "came to no end"
+                     : std::string("crashed the HDF5 library (") + strsignal(WTERMSIG(status)) + ")")
             << "; nothing was written under the final name\n";
   return Exit::io_failure;
 }

@@ -17,6 +17,7 @@
 #include "experiment/arms.hpp"
 #include "experiment/provenance.hpp"
 #include "experiment/run.hpp"
+#include "experiment/schema.hpp"
 #include "experiment/sweep.hpp"
 #include "record/export.hpp"
 #include "record/result_file.hpp"
@@ -208,6 +209,11 @@ int osculate::program(int argc, char** argv) {
   paper_command->add_option("--arms", paper_options.arms, "--exact: arms of each size; default 20")
       ->check(CLI::Range(1, 10000));
 
+  bool markdown = false;
+  CLI::App* schema_command = app.add_subcommand(
+      "schema", "the JSON Schema of experiment files, for editors that complete and check them");
+  schema_command->add_flag("--markdown", markdown, "the tables of docs/experiment-file.md instead");
+
   std::string damaged, repaired;
   bool force_recover = false;
   CLI::App* recover_command = app.add_subcommand("recover", "make a complete file of what a killed run left");
@@ -291,10 +297,13 @@ int osculate::program(int argc, char** argv) {
       std::cout << "exported into " << csv << ": " << files.size() << " files, described in columns.csv\n";
       return Exit::ok;
     });
+  } else if (*schema_command) {
+    std::cout << (markdown ? key_tables() : experiment_schema());
   } else if (*recover_command) {
     worst = contained(damaged, [&] {
       return guarded([&] {
-        std::cout << "recovered into " << recover(damaged, repaired, force_recover, still_alive).string() << "\n";
+        const auto made = recover(damaged, repaired, force_recover, still_alive);
+        std::cout << "recovered into " << made.string() << "\n";
         return Exit::ok;
       });
     });

@@ -75,10 +75,11 @@ ArmDescription describe(const ModelConfig& model) {
 
 void require_simulable(const ArmDescription& description) {
   if (const int n = description.chain.n(); n > limits::joints)
-    throw ModelError(description.source + ": the chain from '" + description.base + "' to '" + description.tip + "' has " +
-                     std::to_string(n) + " joints: at most " + std::to_string(limits::joints) +
-                     " are simulated, as every state is held against definitions that cost O(n^3); choose a shorter "
-                     "chain.");
+    throw ModelError(
+        description.source + ": the chain from '" + description.base + "' to '" + description.tip + "' has " +
+        std::to_string(n) + " joints: at most " + std::to_string(limits::joints) +
+        " are simulated, as every state is held against definitions that cost O(n^3); choose a shorter "
+        "chain.");
 }
 
 Arms make_arms(const Experiment& experiment) {

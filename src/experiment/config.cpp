@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "experiment/config_sections.hpp"
+#include "experiment/yaml_notes.hpp"
 #include "input/limits.hpp"
 #include "input/read_text.hpp"
 #include "verification/claims.hpp"
@@ -15,27 +16,52 @@ using yaml::above_zero;
 using yaml::at_least_zero;
 using yaml::entries;
 using yaml::fail;
-using yaml::fail_missing;
 using yaml::Map;
 using yaml::read;
 using yaml::Setting;
 
-const std::vector<std::string> sections{"name",        "model",      "plant",      "initial",  "reference",
-                                        "base_motion", "controller", "integrator", "duration", "output",
-                                        "verify",      "expect",     "sweep"};
+const yaml::Keys sections{
+    {"name", "", "name of the run", "file name"},
+    {"model", "", "the arm, as controller and plant know it"},
+    {"plant", "", "how the true arm differs from the model that the controller knows, and what it meets"},
+    {"initial", "", "the state at t = 0"},
+    {"reference", "", "what the tip is asked to do"},
+    {"base_motion", "",
+     "how the base moves in the inertial frame: a map like `reference`, type `line`, `circle`, `lissajous` "
+     "or `hold`; "
+     "relative to where the base stands at t = 0",
+     "none: at rest"},
+    {"controller", "", "the law"},
+    {"integrator", "", "method and tolerances"},
+    {"duration", "s", "> 0"},
+    {"output", "", "what is recorded"},
+    {"verify", "", "what is checked"},
+    {"expect", "", "what must come true for exit code 0"},
+    {"sweep", "", "what changes from run to run, see [sweeps](#sweeps)", "none"}};
 
 void read_initial(const Setting& setting, Experiment& out) {
-  const Map map(setting, {"q", "qd"});
+  const Map map(
+      setting,
+      {{"q", "rad, m, 1", "position coordinates at t = 0. A quaternion w, x, y, z may have any length but 0"},
+       {"qd", "rad/s, m/s", "velocity coordinates at t = 0", "zeros"}});
   const auto q = map.at("q"), qd = map.at("qd");
-  if (!q.given())
-    fail_missing(q, "give one number for each joint from base to tip (zero is singular for common arms).");
+  yaml::require_given(q,
+                      "give one number for each joint from base to tip (zero is singular for common arms).");
   read(q, out.q);
   if (out.q.empty()) fail(q, "must have one number for each joint from base to tip.");
   read(qd, out.qd);
 }
 
 IntegratorConfig read_integrator(const Setting& setting) {
-  const Map map(setting, {"method", "rtol", "atol", "max_step", "max_steps"});
+  const Map map(setting, {{"method", "",
+                           "`adams` (fixed point), `bdf` (Newton; for stiff runs) or `runge_kutta` "
+                           "(explicit; for runs with many samples or "
+                           "contacts)"},
+                          {"rtol", "", "relative local error, 1e-14 <= rtol < 1"},
+                          {"atol", "rad, m; per s",
+                           "absolute local error, > 0: a number, or {position: x, velocity: y}", "1e-12"},
+                          {"max_step", "s", "longest step; 0: chosen by the program"},
+                          {"max_steps", "", "a run that needs more stops early"}});
   IntegratorConfig out;
   read(map.at("method"), out.method,
        {{"adams", Method::adams}, {"bdf", Method::bdf}, {"runge_kutta", Method::runge_kutta}});
@@ -43,7 +69,7 @@ IntegratorConfig read_integrator(const Setting& setting) {
        {.low = 1e-14, .high = 1, .high_open = true, .note = "a double resolves 2e-16"});
   const auto atol = map.at("atol");
   if (yaml::is_map(atol)) {
-    const Map parts(atol, {"position", "velocity"});
+    const Map parts(atol, {{"position", "rad, m", "> 0"}, {"velocity", "rad/s, m/s", "> 0"}});
     read(parts.at("position"), out.atol_position, above_zero());
     read(parts.at("velocity"), out.atol_velocity, above_zero());
   } else {
@@ -56,9 +82,17 @@ IntegratorConfig read_integrator(const Setting& setting) {
 }
 
 VerifyConfig read_verify(const Setting& setting) {
-  const Map map(setting, {"every", "record", "shadow", "poles"});
+  const Map map(
+      setting,
+      {{"every", "", "check every accepted step, or every N-th. The samples of a sampled law are all checked",
+        "step"},
+       {"record", "", "record `all` checks, only the `worst`, or every N-th", "all"},
+       {"shadow", "", "repeat the run at tolerance / 100 to estimate the global error"},
+       {"poles", "", "linearize the closed loop at the start and judge its poles"}});
   VerifyConfig out;
   const auto every = map.at("every"), record = map.at("record");
+  yaml::note_words(every, {"step"});
+  yaml::note_words(record, {"all", "worst"});
   const auto is_word = [](const Setting& given, const std::string& word) {
     return yaml::is_scalar(given) && given.value->text == word;
   };
@@ -87,9 +121,17 @@ VerifyConfig read_verify(const Setting& setting) {
 }
 
 ExpectConfig read_expect(const Setting& setting) {
-  const Map map(setting, {"stop", "fails"});
+  std::string all_claims;
+  for (const auto& info : claim_table) all_claims += " " + std::string(info.id);
+  const Map map(setting,
+                {{"stop", "",
+                  "`singular` (the arm, or the coordinates of the law), `non_finite`, `step_too_small` or "
+                  "`too_many_steps`: the run must stop so",
+                  "\"\""},
+                 {"fails", "", "claims that must fail:" + all_claims, "[]"}});
   ExpectConfig out;
   const auto stop = map.at("stop"), fails = map.at("fails");
+  yaml::note_words(stop, {""});
   if (stop.given() && !(yaml::is_scalar(stop) && stop.value->text.empty()))
     out.stop = yaml::read_word(stop, {"singular", "non_finite", "step_too_small", "too_many_steps"});
   if (!fails.given()) return out;
@@ -124,6 +166,7 @@ Experiment read_document(const yaml::Value& document, const std::string& source,
   out.name = source.empty() ? "experiment" : out.file.stem().string();
   read(root.at("name"), out.name);
   if (out.name.find('/') != std::string::npos) fail(root.at("name"), "must not contain '/': it names files.");
+  for (const auto* section : {"model", "initial", "controller"}) yaml::note_required(root.at(section));
   out.model = read_model(root.at("model"), directory);
   out.plant = read_plant(root.at("plant"));
   read_initial(root.at("initial"), out);
@@ -135,7 +178,12 @@ Experiment read_document(const yaml::Value& document, const std::string& source,
   if (const auto* axes = std::get_if<EachAxisOptions>(&out.reference);
       axes != nullptr && out.duration / axes->period > limits::jumps)
     fail(root.at("reference"), "period is too short for the duration: at most 1e6 axes are moved in a run.");
-  const Map output(root.at("output"), {"interval", "restart_interval"});
+  const Map output(
+      root.at("output"),
+      {{"interval", "s", "time between recorded instants, > 0; at most 1e8 instants"},
+       {"restart_interval", "s",
+        "simulated time between points from which a stopped run can be [resumed](replay.md), >= 0; 0: none; at "
+        "most 1e5 points"}});
   const auto interval = output.at("interval");
   read(interval, out.output.interval, above_zero());
   if (out.duration / out.output.interval > limits::recorded_instants) {
@@ -148,6 +196,10 @@ Experiment read_document(const yaml::Value& document, const std::string& source,
   if (out.output.restart_interval > 0 && out.duration / out.output.restart_interval > limits::restarts)
     fail(restarts.given() ? restarts : root.at("duration"),
          "gives more than 1e5 restart points: set output.restart_interval to at least duration / 1e5, or 0.");
+  if (const auto& sampling = out.controller.sampling;
+      sampling && out.duration / sampling->period > limits::samples)
+    fail(root.at("controller"),
+         "sampling.period is too short for the duration: at most 1e9 samples are taken in a run.");
   out.verify = read_verify(root.at("verify"));
   out.expect = read_expect(root.at("expect"));
   note_places(document, "", out.places);
@@ -157,9 +209,11 @@ Experiment read_document(const yaml::Value& document, const std::string& source,
 /// Throws where a variant is no experiment: better now than after the runs of those before it.
 void try_variants(const yaml::Value& document, const PlacedSweep& swept, const std::string& source,
                   const std::filesystem::path& directory) {
+  auto plain = document;  // a long sweep would be copied for each of its runs
+  std::erase_if(plain.items, [](const yaml::Value& item) { return item.key == "sweep"; });
   for (std::size_t i = 0; i < swept.places.size(); ++i) {
     const auto& variant = swept.sweep.variants[i];
-    auto changed = document;
+    auto changed = plain;
     try {
       for (std::size_t j = 0; j < variant.overrides.size(); ++j)
         yaml::apply_override(changed, variant.overrides[j], swept.places[i][j]);

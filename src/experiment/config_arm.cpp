@@ -18,9 +18,9 @@ using yaml::Setting;
 /// One list of a friction map, checked to be as long as the lists before it.
 void read_friction_list(const Setting& setting, const yaml::Range& range, double JointFriction::*part,
                         std::vector<JointFriction>& out, std::string& first) {
-  if (!setting.given()) return;
   std::vector<double> values;
   read(setting, values, range);
+  if (!setting.given()) return;
   if (first.empty()) {
     first = setting.path;
     out.resize(values.size());
@@ -32,7 +32,17 @@ void read_friction_list(const Setting& setting, const yaml::Range& range, double
 }
 
 std::vector<JointFriction> read_friction(const Setting& setting) {
-  const Map map(setting, {"viscous", "coulomb", "coulomb_positive", "coulomb_negative", "v_s"});
+  const std::string torques = "N m, N", both_ways = "instead of `coulomb`; give both directions";
+  const Map map(setting, {{"viscous", "N m s/rad, N s/m", "for each velocity coordinate, >= 0", "none"},
+                          {"coulomb", torques,
+                           "for each velocity coordinate, the same in both directions, >= 0", "none"},
+                          {"coulomb_positive", torques, "magnitude for qd > 0, " + both_ways, "none"},
+                          {"coulomb_negative", torques, "magnitude for qd < 0, " + both_ways, "none"},
+                          {"v_s", "rad/s, m/s",
+                           "speed of the smooth step tanh(qd / v_s); a number or one for each velocity "
+                           "coordinate, > 0. There is "
+                           "no stiction",
+                           "0.01"}});
   const auto both = map.at("coulomb"), positive = map.at("coulomb_positive"),
              negative = map.at("coulomb_negative");
   if (both.given() && positive.given()) fail(positive, "give this or coulomb, not both.");
@@ -91,9 +101,21 @@ void read_inertia(const Setting& setting, Matrix3<double>& out) {
   out = I;
 }
 
+/// What every surface has, after its shape.
+yaml::Keys with_contact(yaml::Keys shape) {
+  const yaml::Keys contact{
+      {"stiffness", "N/m", "normal force per depth, > 0"},
+      {"damping", "N s/m", "normal force per speed of entry, >= 0; the surface never pulls"},
+      {"friction", "", "Coulomb coefficient, >= 0"},
+      {"v_s", "m/s", "speed of the smooth step of that friction, > 0"}};
+  shape.insert(shape.end(), contact.begin(), contact.end());
+  return shape;
+}
+
 const yaml::TypeKeys surface_types{
-    {"plane", {"point", "normal", "stiffness", "damping", "friction", "v_s"}},
-    {"ball", {"centre", "radius", "stiffness", "damping", "friction", "v_s"}},
+    {"plane", with_contact({{"point", "m", "a point of the plane"},
+                            {"normal", "1", "direction out of the material, of any length but 0"}})},
+    {"ball", with_contact({{"centre", "m", "its middle; the material is inside"}, {"radius", "m", "> 0"}})},
 };
 
 Environment read_environment(const Setting& setting) {
@@ -126,11 +148,22 @@ std::filesystem::path resolve(const std::filesystem::path& directory, const std:
 }
 
 ModelConfig read_model(const Setting& setting, const std::filesystem::path& directory) {
-  const Map map(setting, {"urdf", "base", "tip", "gravity", "side_branches", "armature", "friction"});
+  const Map map(
+      setting,
+      {{"urdf", "", "the arm, as controller and plant know it: a URDF file"},
+       {"base", "", "link where the chain starts", "root link"},
+       {"tip", "", "link whose motion is controlled"},
+       {"gravity", "m/s^2", "acceleration of free fall, base frame"},
+       {"side_branches", "",
+        "`lump`: carry the mass of links beside the chain, their joints frozen at 0; `drop`: leave them out"},
+       {"armature", "kg m^2, kg",
+        "reflected motor inertia for each velocity coordinate, >= 0; 0 for joints with several axes",
+        "[] (none)"},
+       {"friction", "", "what both know of the friction in the joints", "none"}});
   ModelConfig out;
   std::string urdf;
-  if (!map.at("urdf").given()) fail_missing(map.at("urdf"), "give the URDF file of the arm.");
-  if (!map.at("tip").given()) fail_missing(map.at("tip"), "give the link whose motion is controlled.");
+  yaml::require_given(map.at("urdf"), "give the URDF file of the arm.");
+  yaml::require_given(map.at("tip"), "give the link whose motion is controlled.");
   read(map.at("urdf"), urdf);
   out.urdf = resolve(directory, urdf);
   const auto base = map.at("base");
@@ -145,9 +178,29 @@ ModelConfig read_model(const Setting& setting, const std::filesystem::path& dire
 }
 
 PlantConfig read_plant(const Setting& setting) {
-  const Map map(setting, {"payload", "armature", "friction", "mass_scale", "inertia_scale", "tip_force",
-                          "environment", "dynamics", "share_kinematics"});
-  const Map payload(map.at("payload"), {"mass", "com", "inertia"});
+  const Map map(
+      setting,
+      {{"payload", "", "body on the tip link that the controller does not know", "none"},
+       {"armature", "kg m^2, kg", "the true arm's; replaces the model's altogether ([]: none)", "as `model`"},
+       {"friction", "", "the true arm's; replaces the model's altogether ({}: none)", "as `model`"},
+       {"mass_scale", "",
+        "factor on mass and inertia, > 0: a number for every link, or a list with one for each link, base to "
+        "tip"},
+       {"inertia_scale", "", "factor on the inertia of every link about its centre of mass, > 0"},
+       {"tip_force", "N m, N",
+        "constant wrench on the tip, about the tip point; base axes, with `base_motion` inertial axes"},
+       {"environment", "", "a surface that the tip point may touch", "none"},
+       {"dynamics", "", "`recursive`: qdd by (51), O(n); `dense`: M^-1 by the definitions"},
+       {"share_kinematics", "",
+        "where plant and controller are the same arm at the same state, the plant takes over the "
+        "controller's "
+        "cosines, sines and kinematics ([claims](claims.md)); false: it shares nothing"}});
+  const Map payload(
+      map.at("payload"),
+      {{"mass", "kg", ">= 0"},
+       {"com", "m", "its centre of mass, tip frame"},
+       {"inertia", "kg m^2",
+        "about its centre of mass, tip axes: three rows, or [ixx, iyy, izz, ixy, ixz, iyz]", "0"}});
   PlantConfig out;
   read(payload.at("mass"), out.payload.mass, at_least_zero());
   read(payload.at("com"), out.payload.com);

@@ -11,13 +11,12 @@ using yaml::above_zero;
 using yaml::at_least_zero;
 using yaml::entries;
 using yaml::fail;
-using yaml::fail_missing;
 using yaml::Map;
 using yaml::read;
 using yaml::Setting;
 
 void read_law(const Setting& setting, ControllerConfig& out) {
-  if (!setting.given()) fail_missing(setting, "give operational_space, resolved_acceleration or free.");
+  yaml::require_given(setting, "give operational_space, resolved_acceleration or free.");
   using Choice = std::pair<Law, TextbookLaw>;
   std::vector<std::pair<std::string, Choice>> choices{
       {"operational_space", {Law::operational_space, out.textbook}},
@@ -43,10 +42,19 @@ void read_rows(const Setting& setting, std::vector<int>& out) {
 
 std::optional<Sampling> read_sampling(const Setting& setting, Law law) {
   if (!setting.given()) return std::nullopt;
-  const Map map(setting, {"period", "delay", "extrapolate", "monitor_every", "computation_time"});
+  const Map map(setting,
+                {{"period", "s", "time between samples, > 0"},
+                 {"delay", "",
+                  "what is one sample old: `none`, `velocity`, `force` or `both`; `operational_space` on a "
+                  "base at rest only"},
+                 {"extrapolate", "", "delayed values x(-1) become 2 x(-1) - x(-2); needs a delay"},
+                 {"monitor_every", "",
+                  "`resolved_acceleration`: Omega, Lambda, c and g are computed at every N-th sample"},
+                 {"computation_time", "s",
+                  "the torque of a sample acts so much later, >= 0 and < period; `delay: none` only"}});
   Sampling out;
   if (law == Law::free) fail(setting, "a free swing has nothing to sample: remove it.");
-  if (!map.at("period").given()) fail_missing(map.at("period"), "give the time between samples in s.");
+  yaml::require_given(map.at("period"), "give the time between samples in s.");
   read(map.at("period"), out.period, above_zero("leave sampling out for a law that acts at every instant"));
   const auto delay = map.at("delay"), line = map.at("extrapolate"), monitor = map.at("monitor_every"),
              computation = map.at("computation_time");
@@ -56,7 +64,11 @@ std::optional<Sampling> read_sampling(const Setting& setting, Law law) {
   read(line, out.extrapolate);
   read(monitor, out.monitor_every, 1);
   read(computation, out.computation_time,
-       {.low = 0, .high = out.period, .high_open = true, .note = "it must end before the next sample"});
+       {.low = 0,
+        .high = out.period,
+        .high_open = true,
+        .note = "it must end before the next sample",
+        .high_depends = true});
   if (out.delay != Delay::none && law != Law::operational_space)
     fail(delay, "only operational_space has delayed forms: use delay: none.");
   if (out.computation_time > 0 && out.delay != Delay::none)
@@ -70,16 +82,28 @@ std::optional<Sampling> read_sampling(const Setting& setting, Law law) {
 }
 
 NullSpaceConfig read_null_space(const Setting& setting, Law law) {
-  const Map map(setting, {"damping", "posture", "limits", "manipulability"});
-  const Map posture(map.at("posture"), {"stiffness", "q"}), limits(map.at("limits"), {"gain", "margin"});
+  const Map map(
+      setting,
+      {{"damping", "N m s/rad, N s/m", "T0 -= damping qd, >= 0"},
+       {"posture", "", "pull towards a posture; joints with one axis each", "none"},
+       {"limits", "",
+        "push away from the joint limits of the URDF file; joints with one axis each. The run must start "
+        "between the limits",
+        "none"},
+       {"manipulability", "N m, N", "climb of log sqrt(det(J J*)), >= 0; joints with one axis each"}});
+  const Map posture(map.at("posture"),
+                    {{"stiffness", "N m/rad, N/m", ">= 0"}, {"q", "rad, m", "the posture", "`initial.q`"}});
+  const Map limits(map.at("limits"),
+                   {{"gain", "N m rad^3, N m^3", ">= 0"},
+                    {"margin", "rad, m", "distance from a limit where the push begins, > 0"}});
   NullSpaceConfig out;
   read(map.at("damping"), out.damping, at_least_zero());
-  if (map.at("posture").given() && !posture.at("stiffness").given())
-    fail_missing(posture.at("stiffness"), "give the stiffness of the pull in N m/rad or N/m.");
+  if (map.at("posture").given())
+    yaml::require_given(posture.at("stiffness"), "give the stiffness of the pull in N m/rad or N/m.");
   read(posture.at("stiffness"), out.posture_stiffness, at_least_zero());
   if (posture.at("q").given()) read(posture.at("q"), out.posture.emplace());
-  if (map.at("limits").given() && !limits.at("gain").given())
-    fail_missing(limits.at("gain"), "give the gain of the repulsion in N m rad^3 or N m^3.");
+  if (map.at("limits").given())
+    yaml::require_given(limits.at("gain"), "give the gain of the repulsion in N m rad^3 or N m^3.");
   read(limits.at("gain"), out.limit_gain, at_least_zero());
   read(limits.at("margin"), out.limit_margin, above_zero("the distance from a limit where repulsion begins"));
   read(map.at("manipulability"), out.manipulability, at_least_zero());
@@ -95,24 +119,33 @@ NullSpaceConfig read_null_space(const Setting& setting, Law law) {
 }
 
 void read_impedance(const Setting& setting, ControllerConfig& out) {
-  const Map map(setting, {"inertia"});
+  const Map map(
+      setting,
+      {{"inertia", "kg m^2, kg",
+        "inertia that the tip shows to a wrench on it: a number or six, > 0. Stiffness and damping of "
+        "`gains` are then those of the mechanical impedance"}});
   if (!setting.given()) return;
   const auto inertia = map.at("inertia");
-  if (!inertia.given()) fail_missing(inertia, "give the inertia that the tip shall show, in kg m^2 and kg.");
-  yaml::read_one_or_six(inertia, out.virtual_inertia.emplace(), above_zero());
+  yaml::require_given(inertia, "give the inertia that the tip shall show, in kg m^2 and kg.");
+  yaml::read_one_or_six(inertia, out.virtual_inertia.emplace(Vector6::Zero()), above_zero());
   if (out.orientation != OrientationCoordinates::rotation_vector ||
       out.position != PositionCoordinates::cartesian)
     fail(setting, "works with orientation: rotation_vector and position: cartesian: choose them.");
 }
 
 void read_force(const Setting& setting, ControllerConfig& out) {
-  const Map map(setting, {"rows", "desired", "inertia", "damping"});
+  const Map map(setting, {{"rows", "",
+                           "rows of the task whose force is controlled in place of their motion; needs "
+                           "`compensate_tip_force: true`"},
+                          {"desired", "N m, N",
+                           "what the tip exerts on its surroundings, one number for each of these rows"},
+                          {"inertia", "kg m^2, kg", "> 0"},
+                          {"damping", "1/s", ">= 0"}});
   if (!setting.given()) return;
   ForceControl force;
   const auto rows = map.at("rows"), desired = map.at("desired");
-  if (!rows.given()) fail_missing(rows, "name the task rows whose force is controlled, for instance [vz].");
-  if (!desired.given())
-    fail_missing(desired, "give the force on the surroundings for each of controller.force.rows.");
+  yaml::require_given(rows, "name the task rows whose force is controlled, for instance [vz].");
+  yaml::require_given(desired, "give the force on the surroundings for each of controller.force.rows.");
   read_rows(rows, force.rows);
   const auto named = entries(rows, "");
   for (std::size_t i = 0; i < named.size(); ++i)
@@ -133,8 +166,11 @@ std::vector<Obstacle> read_obstacles(const Setting& setting) {
   std::vector<Obstacle> out;
   if (!setting.given()) return out;
   for (const auto& entry : entries(setting, "a list of maps {centre, radius, influence, gain}")) {
-    const Map map(entry, {"centre", "radius", "influence", "gain"});
-    if (!map.at("centre").given()) fail_missing(map.at("centre"), "give the middle of the ball in m.");
+    const Map map(entry, {{"centre", "m", "middle of the ball"},
+                          {"radius", "m", "> 0"},
+                          {"influence", "m", "distance from the surface where the push begins, > 0"},
+                          {"gain", "m^4/s^2", ">= 0"}});
+    yaml::require_given(map.at("centre"), "give the middle of the ball in m.");
     auto& ball = out.emplace_back();
     read(map.at("centre"), ball.centre);
     read(map.at("radius"), ball.radius, above_zero());
@@ -146,7 +182,14 @@ std::vector<Obstacle> read_obstacles(const Setting& setting) {
 }
 
 SingularityOptions read_singularity(const Setting& setting, const ControllerConfig& controller) {
-  const Map map(setting, {"policy", "threshold", "damping"});
+  const Map map(
+      setting,
+      {{"policy", "",
+        "`none`: the run stops; `damped`, `truncated` or `released`: what becomes of directions that "
+        "the arm loses. `operational_space` without delay"},
+       {"threshold", "", "of the eigenvalues of Omega, scaled to mean 1 in each block; > 0 and < 1",
+        "1e-6; 1e-2 with a policy"},
+       {"damping", "", "of `damped`, > 0"}});
   SingularityOptions out;
   const auto policy = map.at("policy");
   read(policy, out.policy,
@@ -169,7 +212,11 @@ SingularityOptions read_singularity(const Setting& setting, const ControllerConf
 }
 
 std::optional<Sensors> read_sensors(const Setting& setting, const ControllerConfig& controller) {
-  const Map map(setting, {"resolution", "velocity_cutoff"});
+  const Map map(setting,
+                {{"resolution", "rad, m",
+                  "joint positions are known in multiples of it, >= 0, 0: exact; joints with one axis each"},
+                 {"velocity_cutoff", "Hz",
+                  "velocities are differences of positions through a first-order low pass, >= 0, 0: exact"}});
   if (!setting.given()) return std::nullopt;
   Sensors out;
   read(map.at("resolution"), out.resolution, at_least_zero("0 is exact"));
@@ -180,6 +227,7 @@ std::optional<Sensors> read_sensors(const Setting& setting, const ControllerConf
 }
 
 void read_effort_limit(const Setting& setting, ControllerConfig& out) {
+  yaml::note_words(setting, {"none", "model"}, "none");
   if (!setting.given()) return;
   if (setting.value->kind == yaml::Value::Kind::list) {
     out.effort_limit = EffortLimit::list;
@@ -195,10 +243,50 @@ void read_effort_limit(const Setting& setting, ControllerConfig& out) {
 }  // namespace
 
 ControllerConfig read_controller(const Setting& setting) {
-  const Map map(setting, {"law", "coordinates", "rows", "orientation", "position", "gains", "feedforward",
-                          "null_space", "compensate_friction", "compensate_tip_force", "impedance", "force",
-                          "obstacles", "singularity", "sampling", "sensors", "effort_limit"});
-  const Map gains(map.at("gains"), {"stiffness", "damping"});
+  const std::string one_or_six =
+      "a number or six, >= 0; with `quaternion` the first three must be equal. With `impedance`: ";
+  const Map map(
+      setting,
+      {{"law", "",
+        "`operational_space`; `resolved_acceleration`: as many task rows as velocity coordinates; `free`: no "
+        "torque; "
+        "or one of the laws in common use below"},
+       {"coordinates", "", "`pose`: six task rows; `position`: vx, vy, vz"},
+       {"rows", "",
+        "task rows by name, for instance [vx, vy, vz]; overrides `coordinates`; at most as many as velocity "
+        "coordinates",
+        "from `coordinates`"},
+       {"orientation", "",
+        "what the law tracks of the orientation; all but the first need the rows wx, wy and wz"},
+       {"position", "",
+        "what it tracks of the position, about the origin and z axis of the frame in which the tip is given; "
+        "all but "
+        "the first need the rows vx, vy and vz"},
+       {"gains", "", "of the error"},
+       {"feedforward", "", "velocity and acceleration of the reference are part of u"},
+       {"compensate_friction", "", "add the model's joint friction to the torque"},
+       {"compensate_tip_force", "", "the law measures the wrench on the tip and takes it into account"},
+       {"sampling", "",
+        "without it the law acts at every instant; with it at t = 0, period, 2 period, ..., and the torque "
+        "is held in "
+        "between",
+        "none"},
+       {"null_space", "",
+        "T0, of which the law lets through what the tip does not see; redundant arms; not for "
+        "`resolved_acceleration` "
+        "and `free`"},
+       {"impedance", "", "impedance control; only with `rotation_vector` and `cartesian`", "none"},
+       {"force", "", "force control", "none"},
+       {"obstacles", "",
+        "a list of balls that the tip point is pushed away from; needs the rows vx, vy and vz", "[]"},
+       {"singularity", "", "what happens where the arm loses directions"},
+       {"sensors", "", "what the law knows of the joints; needs `sampling`", "none"},
+       {"effort_limit", "N m, N",
+        "torques saturate: `none`; `model`: at the `<limit effort>` of the URDF file, which every joint must "
+        "have; or "
+        "a list, one for each velocity coordinate, > 0"}});
+  const Map gains(map.at("gains"), {{"stiffness", "1/s^2", one_or_six + "N m/rad and N/m"},
+                                    {"damping", "1/s", one_or_six + "N m s/rad and N s/m"}});
   ControllerConfig out;
   read_law(map.at("law"), out);
   const std::vector<int> pose{0, 1, 2, 3, 4, 5}, position{3, 4, 5};

@@ -9,27 +9,42 @@ namespace {
 using yaml::above_zero;
 using yaml::at_least_zero;
 using yaml::fail;
-using yaml::fail_missing;
 using yaml::Map;
 using yaml::read;
 using yaml::Setting;
 
+const yaml::Key offset{"offset", "rad, m", "displacement from the initial tip pose, six numbers, base axes"};
 const yaml::TypeKeys reference_types{
     {"hold", {}},
-    {"step", {"offset", "at"}},
-    {"line", {"offset", "start", "duration"}},
-    {"circle", {"radius", "period", "plane"}},
-    {"lissajous", {"amplitude", "period", "phase"}},
-    {"waypoints", {"file"}},
-    {"each_axis", {"amplitude", "period"}},
-    {"multisine", {"row", "amplitude", "frequencies"}},
+    {"step", {offset, {"at", "s", "when the reference jumps, >= 0"}}},
+    {"line",
+     {offset,
+      {"start", "s", "rest before it, >= 0"},
+      {"duration", "s", "of the minimum-jerk motion, > 0; then rest"}}},
+    {"circle",
+     {{"radius", "m", "> 0"},
+      {"period", "s", "one turn, > 0"},
+      {"plane", "",
+       "two of x, y, z. The motion starts along the second; the centre lies towards minus the first"}}},
+    {"lissajous",
+     {{"amplitude", "rad, m", "six numbers"},
+      {"period", "s", "a number or six; y = amplitude (sin(2 pi t / period + phase) - sin(phase))"},
+      {"phase", "rad", "a number or six"}}},
+    {"waypoints",
+     {{"file", "", "CSV with header t,x,y,z or t,x,y,z,qw,qx,qy,qz, base frame; at most 1e6 rows"}}},
+    {"each_axis",
+     {{"amplitude", "rad, m", "six jumps, one axis after the other; axes with 0 are passed over"},
+      {"period", "s", "time of one axis, > 0: half of it displaced, half of it back"}}},
+    {"multisine",
+     {{"row", "", "the task row that moves", "vx"},
+      {"amplitude", "rad, m", "of each sine"},
+      {"frequencies", "Hz", "a list, each > 0, none twice"}}},
 };
 
 EachAxisOptions read_each_axis(const Map& map) {
   EachAxisOptions out;
   const auto amplitude = map.at("amplitude");
-  if (!amplitude.given())
-    fail_missing(amplitude, "give six jumps in rad and m; axes with 0 are passed over.");
+  yaml::require_given(amplitude, "give six jumps in rad and m; axes with 0 are passed over.");
   read(amplitude, out.amplitude);
   if (out.amplitude.isZero(0)) fail(amplitude, "must have a number that is not 0: there is no axis to move.");
   read(map.at("period"), out.period, above_zero("the time of one axis"));
@@ -39,6 +54,7 @@ EachAxisOptions read_each_axis(const Map& map) {
 MultisineOptions read_multisine(const Map& map) {
   MultisineOptions out;
   const auto frequencies = map.at("frequencies");
+  yaml::note_words(map.at("row"), {task_row_names.begin(), task_row_names.end()}, task_row_names[3]);
   if (map.at("row").given()) out.row = read_row(map.at("row"));
   read(map.at("amplitude"), out.amplitude);
   read(frequencies, out.frequencies, above_zero(), "a list of frequencies in Hz");
@@ -58,8 +74,11 @@ int read_row(const Setting& setting) {
   return static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
-ReferenceConfig read_reference(const Setting& setting, const std::filesystem::path& directory) {
-  const auto [type, map] = yaml::typed_map(setting, reference_types, "hold");
+namespace {
+
+ReferenceConfig read_path(const Setting& setting, const yaml::TypeKeys& types,
+                          const std::filesystem::path& directory) {
+  const auto [type, map] = yaml::typed_map(setting, types, "hold");
   if (type == "step") {
     StepOptions out;
     read(map.at("offset"), out.offset);
@@ -77,8 +96,9 @@ ReferenceConfig read_reference(const Setting& setting, const std::filesystem::pa
     CircleOptions out;
     read(map.at("radius"), out.radius, above_zero("use type hold to stay"));
     read(map.at("period"), out.period, above_zero("exchange the letters of plane to turn the other way"));
-    if (map.at("plane").given())
-      out.plane = yaml::read_word(map.at("plane"), {"xy", "yx", "yz", "zy", "zx", "xz"});
+    const std::vector<std::string> planes{"xy", "yx", "yz", "zy", "zx", "xz"};
+    yaml::note_words(map.at("plane"), planes, out.plane);
+    if (map.at("plane").given()) out.plane = yaml::read_word(map.at("plane"), planes);
     return out;
   }
   if (type == "lissajous") {
@@ -90,7 +110,7 @@ ReferenceConfig read_reference(const Setting& setting, const std::filesystem::pa
   }
   if (type == "waypoints") {
     std::string file;
-    if (!map.at("file").given()) fail_missing(map.at("file"), "give a CSV file with the columns t,x,y,z.");
+    yaml::require_given(map.at("file"), "give a CSV file with the columns t,x,y,z.");
     read(map.at("file"), file);
     const auto absolute = resolve(directory, file);
     return WaypointsOptions{absolute, text_of(absolute)};  // a missing file is reported where it is used
@@ -100,13 +120,23 @@ ReferenceConfig read_reference(const Setting& setting, const std::filesystem::pa
   return HoldOptions{};
 }
 
+}  // namespace
+
+ReferenceConfig read_reference(const Setting& setting, const std::filesystem::path& directory) {
+  return read_path(setting, reference_types, directory);
+}
+
 ReferenceConfig read_base_motion(const Setting& setting, const std::filesystem::path& directory) {
-  const auto out = read_reference(setting, directory);
-  const bool moves_a_base =
-      std::holds_alternative<HoldOptions>(out) || std::holds_alternative<LineOptions>(out) ||
-      std::holds_alternative<CircleOptions>(out) || std::holds_alternative<LissajousOptions>(out);
-  if (!moves_a_base) fail(setting, "a base moves along type line, circle or lissajous.");
-  return out;
+  yaml::TypeKeys smooth;
+  for (const auto& [type, keys] : reference_types) {
+    const bool moves_a_base = type == "hold" || type == "line" || type == "circle" || type == "lissajous";
+    if (moves_a_base) smooth.emplace_back(type, keys);
+    if (moves_a_base || !yaml::is_map(setting)) continue;
+    for (const auto& item : setting.value->items)
+      if (item.key == "type" && item.text == type)
+        fail(setting, "a base moves along type line, circle or lissajous.");
+  }
+  return read_path(setting, smooth, directory);
 }
 
 }  // namespace osculate

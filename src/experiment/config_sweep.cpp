@@ -1,5 +1,9 @@
 // The section `sweep`.
+#include <set>
+
 #include "experiment/config_sections.hpp"
+#include "experiment/yaml_notes.hpp"
+#include "input/limits.hpp"
 
 namespace osculate {
 namespace {
@@ -29,19 +33,28 @@ void require_name(const std::string& name, const std::string& place, const std::
                       "in sweep.variants.");
 }
 
+void require_few(std::size_t runs, const Setting& setting) {
+  if (runs > limits::variants)
+    fail(setting, "has " + std::to_string(runs) + " runs, at most " + std::to_string(limits::variants) +
+                      " are made in one sweep: make several.");
+}
+
 void read_values(const Map& map, PlacedSweep& out) {
   const auto key = map.at("key"), values = map.at("values");
   if (!key.given()) fail_missing(key, "give the key path whose values are in sweep.values.");
   if (!values.given()) fail_missing(values, "give the values of sweep.key.");
   yaml::read(key, out.sweep.key);
   require_sweepable(out.sweep.key, key.place, key.path);
-  for (const auto& entry : entries(values, "a list of values of sweep.key")) {
+  const auto given = entries(values, "a list of values of sweep.key");
+  require_few(given.size(), values);
+  std::set<std::string> names;
+  for (const auto& entry : given) {
+    yaml::note(entry, {.kind = yaml::Form::Kind::text});
     if (entry.value->kind != Value::Kind::scalar)
       fail(entry, "must be one number or word; give lists and maps as sweep.variants.");
     SweepConfig::Variant variant{entry.value->text, {out.sweep.key + "=" + yaml::flow(*entry.value)}, {}};
     require_name(variant.name, entry.place, entry.path);
-    for (const auto& earlier : out.sweep.variants)
-      if (earlier.name == variant.name) fail(entry, "is given twice: remove one.");
+    if (!names.insert(variant.name).second) fail(entry, "is given twice: remove one.");
     if (yaml::is_number(*entry.value)) yaml::read(entry, variant.value.emplace());
     out.sweep.variants.push_back(std::move(variant));
     out.places.push_back({entry.place});
@@ -51,6 +64,8 @@ void read_values(const Map& map, PlacedSweep& out) {
 
 void read_variants(const Setting& setting, PlacedSweep& out) {
   if (!yaml::is_map(setting)) fail(setting, "must be a map: {name: {key.path: value, ...}, ...}.");
+  yaml::note_open_map(setting);
+  require_few(setting.value->items.size(), setting);
   if (setting.value->items.empty()) fail(setting, "must have at least one variant.");
   for (const auto& item : setting.value->items) {
     const Setting own{&item, setting.path + "." + item.key, item.place};
@@ -71,7 +86,10 @@ void read_variants(const Setting& setting, PlacedSweep& out) {
 }  // namespace
 
 PlacedSweep read_sweep(const Setting& setting) {
-  const Map map(setting, {"key", "values", "variants"});
+  const Map map(setting,
+                {{"key", "", "a key path, and"},
+                 {"values", "", "its value in each run"},
+                 {"variants", "", "instead of them: a map from the name of each run to what it changes"}});
   PlacedSweep out;
   const auto variants = map.at("variants");
   const bool by_value = map.at("key").given() || map.at("values").given();

@@ -9,6 +9,7 @@
 #include "experiment/config.hpp"
 #include "experiment/yaml_reader.hpp"
 #include "input/limits.hpp"
+#include "input/read_text.hpp"
 
 namespace osculate::yaml {
 namespace {
@@ -35,7 +36,8 @@ class Builder {
 
   Value build(const YAML::Node& node, int depth = 0) {
     const auto place = origin.at(node.Mark());
-    if (depth > limits::yaml_depth) throw ConfigError(place + ": nested too deeply, or an alias that contains itself.");
+    if (depth > limits::yaml_depth)
+      throw ConfigError(place + ": nested too deeply, or an alias that contains itself.");
     if (++count > limits::yaml_values) throw ConfigError(place + ": too many values; are aliases nested?");
     Value out;
     out.place = place;
@@ -101,7 +103,12 @@ class Builder {
 /// yaml-cpp takes byte 4 for the end of the file and would drop the rest without a word.
 void require_text(const std::string& text, const Origin& origin) {
   YAML::Mark mark;
-  for (const char c : text) {
+  const auto fault = first_fault_of_utf8(text);
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (i == fault)
+      throw ConfigError(origin.at(mark) + ": byte " + std::to_string(static_cast<unsigned char>(c)) +
+                        " is not UTF-8; save the file as UTF-8.");
     const bool blank = c == '\t' || c == '\n' || c == '\r';
     if ((static_cast<unsigned char>(c) < 0x20 && !blank) || c == 0x7f)
       throw ConfigError(origin.at(mark) + ": control character (byte " + std::to_string(static_cast<int>(c)) +

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "experiment/config.hpp"
+#include "experiment/yaml_notes.hpp"
 
 namespace osculate::yaml {
 namespace {
@@ -134,7 +135,14 @@ void fail_missing(const Setting& setting, const std::string& remedy) {
   throw ConfigError(setting.place + ": " + setting.path + " is missing: " + remedy);
 }
 
-Map::Map(const Setting& whole, std::vector<std::string> known) : setting(whole), keys(std::move(known)) {
+void require_given(const Setting& setting, const std::string& remedy) {
+  note_required(setting);
+  if (!setting.given()) fail_missing(setting, remedy);
+}
+
+Map::Map(const Setting& whole, const Keys& known) : setting(whole) {
+  for (const Key& key : known) keys.push_back(key.name);
+  note_keys(setting, known);
   if (!setting.given() || setting.value->kind == Value::Kind::null) return;
   if (!is_map(setting)) fail(setting, "must be a map with the keys " + either(keys) + ".");
   for (const auto& item : setting.value->items) {
@@ -177,14 +185,19 @@ TypedMap typed_map(const Setting& setting, const TypeKeys& types, const std::str
   if (type.empty())
     fail_missing({nullptr, setting.path + ".type", setting.place}, "give " + either(names) + ".");
 
-  std::vector<std::string> keys{"type"};
+  note_types(setting, types, type, otherwise);
+  note_words({nullptr, setting.path + ".type", ""}, names, otherwise);
+  Keys keys{{"type", "", "only the keys of that type are allowed"}};
   for (const auto& [name, own] : types)
     if (name == type) keys.insert(keys.end(), own.begin(), own.end());
   for (const auto& given : Map::keys_of(setting)) {
-    if (std::find(keys.begin(), keys.end(), given) != keys.end()) continue;
+    const auto has = [&given](const Keys& own) {
+      return std::any_of(own.begin(), own.end(), [&](const Key& key) { return key.name == given; });
+    };
+    if (has(keys)) continue;
     std::vector<std::string> owners;
     for (const auto& [name, own] : types)
-      if (std::find(own.begin(), own.end(), given) != own.end()) owners.push_back(name);
+      if (has(own)) owners.push_back(name);
     if (owners.empty()) continue;
     for (const auto& item : setting.value->items)
       if (item.key == given)
@@ -196,10 +209,25 @@ TypedMap typed_map(const Setting& setting, const TypeKeys& types, const std::str
   return {type, Map(setting, keys)};
 }
 
+namespace {
+
+/// The entries of a list, without a note.
+std::vector<Setting> items(const Setting& setting, const std::string& what);
+
+/// `size` numbers; 0: any.
+void note_list(const Setting& setting, std::size_t size, const Range& range,
+               const std::string& fallback = "") {
+  note(setting, {.kind = Form::Kind::list, .size = size}, fallback);
+  note({nullptr, setting.path + "[]", ""}, {.kind = Form::Kind::number, .range = range});
+}
+
+}  // namespace
+
 Range at_least_zero(std::string note) { return {.low = 0, .note = std::move(note)}; }
 Range above_zero(std::string note) { return {.low = 0, .low_open = true, .note = std::move(note)}; }
 
 void read(const Setting& setting, double& out, const Range& range) {
+  note(setting, {.kind = Form::Kind::number, .range = range}, shown(out));
   if (!setting.given()) return;
   const double x = number(setting);
   require(setting, x, range);
@@ -207,6 +235,7 @@ void read(const Setting& setting, double& out, const Range& range) {
 }
 
 void read(const Setting& setting, long& out, long low) {
+  note(setting, {.kind = Form::Kind::whole, .range = {.low = static_cast<double>(low)}}, std::to_string(out));
   if (!setting.given()) return;
   const double x = number(setting);
   constexpr double exact = 9007199254740992.0;  // 2^53: above it a double skips integers
@@ -218,27 +247,32 @@ void read(const Setting& setting, long& out, long low) {
 void read(const Setting& setting, bool& out) { read<bool>(setting, out, {{"true", true}, {"false", false}}); }
 
 void read(const Setting& setting, std::string& out) {
+  note(setting, {.kind = Form::Kind::text});
   if (!setting.given()) return;
   if (!is_scalar(setting) || setting.value->text.empty()) fail(setting, "must be a text that is not empty.");
   out = setting.value->text;
 }
 
 void read(const Setting& setting, Vector3<double>& out) {
+  note_list(setting, 3, {}, shown_list(out));
   if (!setting.given()) return;
-  const auto list = entries(setting, "a list of three numbers [x, y, z]");
+  const auto list = items(setting, "a list of three numbers [x, y, z]");
   if (list.size() != 3) fail(setting, "must be a list of three numbers [x, y, z].");
   for (int i = 0; i < 3; ++i) read(list[i], out[i]);
 }
 
 void read(const Setting& setting, Vector6& out, const Range& range) {
+  note_list(setting, 6, range, out.isZero(0) ? "zeros" : shown_list(out));
   if (!setting.given()) return;
   const std::string what = "a list of six numbers, one for each of wx, wy, wz, vx, vy, vz";
-  const auto list = entries(setting, what);
+  const auto list = items(setting, what);
   if (list.size() != 6) fail(setting, "must be " + what + ".");
   for (int i = 0; i < 6; ++i) read(list[i], out[i], range);
 }
 
 void read_one_or_six(const Setting& setting, Vector6& out, const Range& range) {
+  note(setting, {.kind = Form::Kind::number, .range = range}, shown(out[0]));
+  note_list(setting, 6, range);
   if (!setting.given()) return;
   if (is_scalar(setting)) {
     double x = 0;
@@ -247,24 +281,32 @@ void read_one_or_six(const Setting& setting, Vector6& out, const Range& range) {
     return;
   }
   const std::string what = "one number, or a list of six for wx, wy, wz, vx, vy, vz";
-  const auto list = entries(setting, what);
+  const auto list = items(setting, what);
   if (list.size() != 6) fail(setting, "must be " + what + ".");
   for (int i = 0; i < 6; ++i) read(list[i], out[i], range);
 }
 
 void read(const Setting& setting, std::vector<double>& out, const Range& range, const std::string& what) {
+  note_list(setting, 0, range, shown_list(out));
   if (!setting.given()) return;
   out.clear();
   for (const auto& entry : entries(setting, what)) read(entry, out.emplace_back(), range);
 }
 
 std::vector<Setting> entries(const Setting& setting, const std::string& what) {
+  note(setting, {.kind = Form::Kind::list});
+  return items(setting, what);
+}
+
+namespace {
+std::vector<Setting> items(const Setting& setting, const std::string& what) {
   if (setting.value->kind != Value::Kind::list) fail(setting, "must be " + what + ".");
   std::vector<Setting> out;
   for (const auto& item : setting.value->items)
     out.push_back({&item, setting.path + "[" + std::to_string(out.size()) + "]", item.place});
   return out;
 }
+}  // namespace
 
 bool is_scalar(const Setting& setting) {
   return setting.given() && setting.value->kind == Value::Kind::scalar;
@@ -302,6 +344,7 @@ std::string either(const std::vector<std::string>& words) {
 }
 
 std::string read_word(const Setting& setting, const std::vector<std::string>& words) {
+  note_words(setting, words);
   if (is_scalar(setting) && std::find(words.begin(), words.end(), setting.value->text) != words.end())
     return setting.value->text;
   const auto near = is_scalar(setting) ? nearest(setting.value->text, words) : "";

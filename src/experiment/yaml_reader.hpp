@@ -48,12 +48,24 @@ std::string show(const Value& value);
 [[noreturn]] void fail(const Setting& setting, const std::string& text);
 /// Throws ConfigError "place: path is missing: remedy".
 [[noreturn]] void fail_missing(const Setting& setting, const std::string& remedy);
+/// The same unless the setting is given: one that every map of its kind must have.
+void require_given(const Setting& setting, const std::string& remedy);
+
+/// A key as the documentation and an editor show it. It stands where the key is read, so that both know every
+/// key.
+struct Key {
+  std::string name;
+  std::string unit = {};
+  std::string meaning = {};
+  std::string otherwise = {};  // the default in words, where the number that is left as it is does not tell
+};
+using Keys = std::vector<Key>;
 
 /// The settings of one map. Construction throws for a key that is not in `keys`. An absent or empty map has
 /// no settings given.
 class Map {
  public:
-  Map(const Setting& setting, std::vector<std::string> keys);
+  Map(const Setting& setting, const Keys& keys);
   Setting at(const std::string& key) const;
   /// Keys that are there, without looking at what they may be.
   static std::vector<std::string> keys_of(const Setting& setting);
@@ -64,7 +76,7 @@ class Map {
 };
 
 /// A map whose keys depend on its `type`: "type" itself, and those that `types` lists for it.
-using TypeKeys = std::vector<std::pair<std::string, std::vector<std::string>>>;
+using TypeKeys = std::vector<std::pair<std::string, Keys>>;
 struct TypedMap {
   std::string type;
   Map map;
@@ -79,7 +91,8 @@ struct Range {
   bool low_open = false;
   double high = std::numeric_limits<double>::infinity();
   bool high_open = false;
-  std::string note = {};  // remedy, appended to the message
+  std::string note = {};      // remedy, appended to the message
+  bool high_depends = false;  // `high` is another setting: the schema cannot know it
 };
 Range at_least_zero(std::string note = {});
 Range above_zero(std::string note = {});
@@ -112,11 +125,19 @@ std::string either(const std::vector<std::string>& words);
 /// Throws "must be a, b or c", with the nearest of them, unless the setting is one of `words`.
 std::string read_word(const Setting&, const std::vector<std::string>& words);
 
+/// For the schema: these words are allowed, besides what else is read from the setting.
+void note_words(const Setting&, const std::vector<std::string>& words, const std::string& fallback = "");
+
 template <class Choice>
 void read(const Setting& setting, Choice& out, const std::vector<std::pair<std::string, Choice>>& choices) {
-  if (!setting.given()) return;
   std::vector<std::string> words;
-  for (const auto& [word, choice] : choices) words.push_back(word);
+  std::string fallback;
+  for (const auto& [word, choice] : choices) {
+    words.push_back(word);
+    if (choice == out) fallback = word;
+  }
+  note_words(setting, words, fallback);
+  if (!setting.given()) return;
   const auto chosen = read_word(setting, words);
   for (const auto& [word, choice] : choices)
     if (word == chosen) out = choice;

@@ -266,7 +266,8 @@ Tree internal::read_tree(const std::string& text, const std::string& source) {
   std::size_t links = 0;
   for (auto at = text.find("<link"); at != std::string::npos; at = text.find("<link", at + 1)) ++links;
   if (links > limits::urdf_links)
-    throw ModelError(source + ": " + std::to_string(links) + " links, at most " + std::to_string(limits::urdf_links) +
+    throw ModelError(source + ": " + std::to_string(links) + " links, at most " +
+                     std::to_string(limits::urdf_links) +
                      " are read. Leave out what does not belong to the arm.");
   const auto [model, errors] = parse(text);
   if (!model) {

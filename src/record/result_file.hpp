@@ -131,10 +131,12 @@ class ResultFile {
 };
 
 /// Copies what a killed run left into a new, finished file (status "recovered"). Empty `out`: next to the
-/// input as NAME.recovered.h5. Returns the path written. The input is not changed. `alive` is called after each variable
-/// and block of rows. Throws FileError. Bytes that were damaged on purpose can crash HDF5 itself: cli/contained.hpp.
-std::filesystem::path recover(const std::filesystem::path& in, const std::filesystem::path& out = {},
-                              bool force = false, const std::function<void()>& alive = [] {});
+/// input as NAME.recovered.h5. Returns the path written. The input is not changed. `alive` is called after
+/// each variable and block of rows. Throws FileError. Bytes that were damaged on purpose can crash HDF5
+/// itself: cli/contained.hpp.
+std::filesystem::path recover(
+    const std::filesystem::path& in, const std::filesystem::path& out = {}, bool force = false,
+    const std::function<void()>& alive = [] {});
 
 /// "1.10.8" and the like.
 std::string hdf5_version();

@@ -1,6 +1,6 @@
-// Fuzz target: the reader of unfinished result files. Bytes that start with HDF5's signature are the file itself.
-// All others are a recipe for a file that is valid HDF5 and hardly ever what osculate writes: what happens then is
-// our reader's doing, not the library's.
+// Fuzz target: the reader of unfinished result files. Bytes that start with HDF5's signature are the file
+// itself. All others are a recipe for a file that is valid HDF5 and hardly ever what osculate writes: what
+// happens then is our reader's doing, not the library's.
 #include <hdf5.h>
 #include <hdf5_hl.h>
 #include <sys/wait.h>
@@ -36,9 +36,10 @@ struct Bytes {
   unsigned below(unsigned n) { return empty() ? 0 : *at++ % n; }
 };
 
-constexpr std::array names{"time", "step", "joint", "a/x", "a/y", "a", "b/c/d", "solver/order", "provenance/text"};
-constexpr std::array attributes{"units", "long_name", "_FillValue", "status", "title", "component_order", "CLASS",
-                                "NAME", "DIMENSION_LIST"};
+constexpr std::array names{"time",  "step",         "joint",          "a/x", "a/y", "a",
+                           "b/c/d", "solver/order", "provenance/text"};
+constexpr std::array attributes{"units",           "long_name", "_FillValue", "status",        "title",
+                                "component_order", "CLASS",     "NAME",       "DIMENSION_LIST"};
 constexpr std::array<hsize_t, 9> extents{0, 1, 2, 3, 7, 300, 1u << 20, hsize_t(1) << 40, hsize_t(1) << 62};
 
 hid_t text_type() {
@@ -56,12 +57,18 @@ void write_text(hid_t object, const char* name, const char* text) {
 
 hid_t some_type(Bytes& bytes) {
   switch (bytes.below(10)) {
-    default: return H5Tcopy(H5T_IEEE_F64LE);
-    case 4: return H5Tcopy(H5T_STD_I64LE);
-    case 5: return H5Tcopy(H5T_STD_I8LE);
-    case 6: return text_type();
-    case 7: return H5Tcopy(H5T_C_S1);
-    case 8: return H5Tenum_create(H5T_NATIVE_INT);
+    default:
+      return H5Tcopy(H5T_IEEE_F64LE);
+    case 4:
+      return H5Tcopy(H5T_STD_I64LE);
+    case 5:
+      return H5Tcopy(H5T_STD_I8LE);
+    case 6:
+      return text_type();
+    case 7:
+      return H5Tcopy(H5T_C_S1);
+    case 8:
+      return H5Tenum_create(H5T_NATIVE_INT);
     case 9: {
       const hid_t pair = H5Tcreate(H5T_COMPOUND, 16);
       H5Tinsert(pair, "r", 0, H5T_NATIVE_DOUBLE);
@@ -80,14 +87,21 @@ class Recipe {
  private:
   void step() {
     switch (bytes_.below(8)) {
-      default: return make_set();
-      case 3: return attach();
-      case 4: return give_attribute();
-      case 5: return link();
-      case 6: return write();
+      default:
+        return make_set();
+      case 3:
+        return attach();
+      case 4:
+        return give_attribute();
+      case 5:
+        return link();
+      case 6:
+        return write();
     }
   }
-  hid_t some_set() { return sets_.empty() ? file_ : sets_[bytes_.below(static_cast<unsigned>(sets_.size()))]; }
+  hid_t some_set() {
+    return sets_.empty() ? file_ : sets_[bytes_.below(static_cast<unsigned>(sets_.size()))];
+  }
 
   void make_set() {
     const char* name = names[bytes_.below(names.size())];
@@ -128,7 +142,9 @@ class Recipe {
     const hid_t made = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
     const std::array<const char*, 3> texts{"one", "two", "three"};
     const std::array<char, 64> zeros{};
-    if (made >= 0) H5Awrite(made, type, H5Tis_variable_str(type) > 0 ? static_cast<const void*>(texts.data()) : zeros.data());
+    if (made >= 0)
+      H5Awrite(made, type,
+               H5Tis_variable_str(type) > 0 ? static_cast<const void*>(texts.data()) : zeros.data());
     if (made >= 0) H5Aclose(made);
     H5Sclose(space), H5Tclose(type);
   }
@@ -142,10 +158,17 @@ class Recipe {
     const hid_t properties = H5Pcreate(H5P_LINK_CREATE);
     H5Pset_create_intermediate_group(properties, 1);
     switch (bytes_.below(4)) {
-      case 0: H5Lcreate_hard(file_, "/", file_, name, properties, H5P_DEFAULT); break;
-      case 1: H5Lcreate_soft(bytes_.below(2) ? "/a" : "/nowhere", file_, name, properties, H5P_DEFAULT); break;
-      case 2: H5Lcreate_external("/nowhere.h5", "/", file_, name, properties, H5P_DEFAULT); break;
-      case 3: H5Lcreate_hard(file_, names[bytes_.below(names.size())], file_, "again", properties, H5P_DEFAULT);
+      case 0:
+        H5Lcreate_hard(file_, "/", file_, name, properties, H5P_DEFAULT);
+        break;
+      case 1:
+        H5Lcreate_soft(bytes_.below(2) ? "/a" : "/nowhere", file_, name, properties, H5P_DEFAULT);
+        break;
+      case 2:
+        H5Lcreate_external("/nowhere.h5", "/", file_, name, properties, H5P_DEFAULT);
+        break;
+      case 3:
+        H5Lcreate_hard(file_, names[bytes_.below(names.size())], file_, "again", properties, H5P_DEFAULT);
     }
     H5Pclose(properties);
   }
@@ -201,7 +224,8 @@ bool library_is_to_blame(const char* report) {
   return text.find("libhdf5") < text.find(" osculate::");
 }
 
-/// As the program does it (cli/contained.hpp): HDF5 may crash on such bytes, or take for ever, and only the child ends.
+/// As the program does it (cli/contained.hpp): HDF5 may crash on such bytes, or take for ever, and only the
+/// child ends.
 void recover_in_child(const fs::path& in, const fs::path& out) {
   constexpr int blamed_on_library = 98;
   const pid_t child = fork();
@@ -223,7 +247,8 @@ void recover_in_child(const fs::path& in, const fs::path& out) {
 #else
   const bool fine = signal == SIGALRM || signal == SIGSEGV || signal == SIGBUS || signal == SIGFPE;
 #endif
-  const bool ended = WIFEXITED(status) && (WEXITSTATUS(status) == 0 || WEXITSTATUS(status) == blamed_on_library);
+  const bool ended =
+      WIFEXITED(status) && (WEXITSTATUS(status) == 0 || WEXITSTATUS(status) == blamed_on_library);
   if (!fine && !ended) complain("the child failed: signal " + std::to_string(signal));
 }
 
@@ -241,7 +266,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const fs::path in = folder / "in.h5", out = folder / "out.h5";
   constexpr std::array<std::uint8_t, 4> signature{0x89, 'H', 'D', 'F'};
   if (size >= signature.size() && std::equal(signature.begin(), signature.end(), data)) {
-    std::ofstream(in, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+    std::ofstream(in, std::ios::binary)
+        .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
     recover_in_child(in, out);
   } else {
     cook(in, data, size);
