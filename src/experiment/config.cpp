@@ -178,12 +178,12 @@ Experiment read_document(const yaml::Value& document, const std::string& source,
   if (const auto* axes = std::get_if<EachAxisOptions>(&out.reference);
       axes != nullptr && out.duration / axes->period > limits::jumps)
     fail(root.at("reference"), "period is too short for the duration: at most 1e6 axes are moved in a run.");
-  const Map output(
-      root.at("output"),
-      {{"interval", "s", "time between recorded instants, > 0; at most 1e8 instants"},
-       {"restart_interval", "s",
-        "simulated time between points from which a stopped run can be [resumed](replay.md), >= 0; 0: none; at "
-        "most 1e5 points"}});
+  const Map output(root.at("output"),
+                   {{"interval", "s", "time between recorded instants, > 0; at most 1e8 instants"},
+                    {"restart_interval", "s",
+                     "simulated time between points from which a stopped run can be [resumed](replay.md), >= "
+                     "0; 0: none; at "
+                     "most 1e5 points"}});
   const auto interval = output.at("interval");
   read(interval, out.output.interval, above_zero());
   if (out.duration / out.output.interval > limits::recorded_instants) {

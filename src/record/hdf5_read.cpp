@@ -23,7 +23,8 @@ std::size_t product(const std::vector<hsize_t>& sizes, std::size_t from, std::si
                     const std::string& where, const Check& check) {
   std::size_t n = 1;
   for (std::size_t i = from; i < sizes.size(); ++i) {
-    require(sizes[i] <= most && n * sizes[i] <= most, where, "is larger than any variable of a result file", check);
+    require(sizes[i] <= most && n * sizes[i] <= most, where, "is larger than any variable of a result file",
+            check);
     n *= sizes[i];
   }
   return n;
@@ -192,7 +193,8 @@ void read_dataset(Handle dataset, const std::string& where, const Check& check, 
     require(chunk[0] <= limits::chunk_values / std::max<std::size_t>(1, source.count()), where,
             "has huge chunks", check);
     const H5T_class_t kind_of_type = H5Tget_class(type);
-    require(kind_of_type == H5T_FLOAT || kind_of_type == H5T_INTEGER, where, "grows and holds no numbers", check);
+    require(kind_of_type == H5T_FLOAT || kind_of_type == H5T_INTEGER, where, "grows and holds no numbers",
+            check);
     if (is_axis) {
       input.layout.axes.push_back({where, {}, unit, long_name});
     } else {

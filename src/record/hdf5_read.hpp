@@ -34,7 +34,8 @@ struct Input {
       sources;  // by unlimited axis: the axis, then its variables as in the layout
 };
 
-// These functions throw FileError for what is no result file although it is HDF5. `alive` is called now and then.
+// These functions throw FileError for what is no result file although it is HDF5. `alive` is called now and
+// then.
 
 /// Opens a file for reading: one that is finished, or as a single-writer-multiple-reader reader does. Throws
 /// FileError.
@@ -57,9 +58,11 @@ std::string text_or_empty(hid_t object, const char* name);
 bool read_rows(const Source& source, hsize_t first, hsize_t count, std::vector<double>& values);
 /// Rows whose chunks are on disk and can be read, counted from the first. An extent may be ahead of its
 /// chunks.
-hsize_t readable_rows(const Source& source, const std::function<void()>& alive = [] {});
+hsize_t readable_rows(
+    const Source& source, const std::function<void()>& alive = [] {});
 /// Appends the first rows of an axis and its variables to a file with the same layout.
-void copy_rows(const std::vector<Source>& sources, const std::string& axis, hsize_t rows, const Check& check,
-               ResultFile& output, const std::function<void()>& alive = [] {});
+void copy_rows(
+    const std::vector<Source>& sources, const std::string& axis, hsize_t rows, const Check& check,
+    ResultFile& output, const std::function<void()>& alive = [] {});
 
 }  // namespace osculate::hdf5
