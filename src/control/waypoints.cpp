@@ -106,10 +106,15 @@ void require_order(const Place& place, const std::vector<Waypoint>& before, cons
                       " s, the time of the waypoint before");
 }
 
+TextFile read_waypoint_file(const std::filesystem::path& file) {
+  return read_text(file, limits::waypoint_bytes, "check the path of reference.file");
+}
+
 std::vector<Waypoint> read_waypoints(const WaypointsOptions& options) {
   Place place{options.file.string()};
-  if (!options.text) reject(place, "cannot be read; check the path of reference.file");
-  std::istringstream in(*options.text);
+  const auto [content, fault] = options.text ? TextFile{*options.text, ""} : read_waypoint_file(options.file);
+  if (!fault.empty()) throw ReferenceError(fault);
+  std::istringstream in(content);
   std::vector<Waypoint> out;
   bool header_seen = false, oriented = false;
   std::string raw;
