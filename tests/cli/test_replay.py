@@ -66,8 +66,7 @@ class WithResults(InFolder):
 
 
 class Diff(WithResults):
-    CIRCLE = ("puma560_circle", "duration=0.5", "plant.payload.mass=1", "expect.fails=[linearization]",
-              "expect={}")
+    CIRCLE = ("puma560_circle", "duration=0.5", "plant.payload.mass=1")
 
     def test_the_same_experiment_twice_gives_the_same_bits(self):
         self.identical(self.result("a.h5", *self.CIRCLE), self.result("b.h5", *self.CIRCLE))
@@ -230,7 +229,6 @@ class Replay(WithResults):
                 shutil.rmtree(out.parent)
 
     def test_of_a_sweep(self):
-        (self.folder / "models").mkdir()
         out = self.moved_away("puma560_circle", "duration=0.1", "verify.shadow=false",
                               "sweep={variants: {a: {}, b: {model.urdf: ../models/puma560_akb86.urdf}, "
                               "c: {'reference': {type: waypoints, file: prismatic_arm_waypoints.csv}}}}",
@@ -258,8 +256,6 @@ class Replay(WithResults):
         done = call("replay", out)
         self.assertEqual(done.returncode, 0)
         self.assertIn("cpu_features: 'abacus' against", done.stdout)
-        done = call("replay", out, program=FAULTY, env={"OSCULATE_FAULT": "plant_friction"})
-        self.assertIn(done.returncode, (0, 1))
         done = call("replay", out, program=FAULTY, env={"OSCULATE_FAULT": "law_damping"})
         self.assertEqual(done.returncode, 1)
         self.assertIn("first divergence: t = ", done.stdout)
@@ -279,23 +275,28 @@ class Replay(WithResults):
 
 class Resume(WithResults):
     def stopped(self, experiment, changes, number, points=1):
-        """A run that the signal ended after so many restart points."""
-        out = self.folder / "stopped.h5"
-        out.unlink(missing_ok=True)
-        run = subprocess.Popen([PROGRAM, "run", EXPERIMENTS / f"{experiment}.yaml", "-o", out, "--quiet",
-                                *settings(*changes)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        until = time.monotonic() + 60
-        seen = -1
-        while seen < points and time.monotonic() < until and run.poll() is None:
-            try:
-                with h5py.File(out, "r", libver="latest", swmr=True) as file:
-                    seen = len(file["restart_time"]) if points else 0
-            except (OSError, KeyError):
-                pass
-        run.send_signal(number)
-        code = run.wait(timeout=60)
-        self.assertEqual(code, -signal.SIGKILL if number == signal.SIGKILL else 128 + number, "it was too fast")
-        return out
+        """A run that the signal ended after so many restart points, or a few more."""
+        return self.stop(self.folder / "stopped.h5", number, points,
+                         "run", EXPERIMENTS / f"{experiment}.yaml", *settings(*changes))
+
+    def stop(self, out, number, points, *command):
+        wanted = -signal.SIGKILL if number == signal.SIGKILL else 128 + number
+        for _ in range(20):  # it may be over before the signal comes
+            out.unlink(missing_ok=True)
+            run = subprocess.Popen([PROGRAM, *command, "-o", out, "--quiet"],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            until = time.monotonic() + 60
+            while time.monotonic() < until and run.poll() is None:
+                try:
+                    with h5py.File(out, "r", libver="latest", swmr=True) as file:
+                        if points == 0 or len(file["restart_time"]) >= points:
+                            break
+                except (OSError, KeyError):
+                    pass
+            run.send_signal(number)
+            if run.wait(timeout=60) == wanted:
+                return out
+        self.fail("the run was always too fast for the signal")
 
     def resumed(self, out, *more):
         target = self.folder / "resumed.h5"
@@ -305,8 +306,8 @@ class Resume(WithResults):
 
     CASES = {
         # continuous laws: smooth, with jumps, with contact, with an obstacle, with a fit and poles
-        "puma560_circle": ("duration=6", "output.restart_interval=0.5"),
-        "puma560_each_axis": ("duration=6", "output.restart_interval=0.75", "reference.period=1"),
+        "puma560_circle": ("duration=3", "output.restart_interval=0.5"),
+        "puma560_each_axis": ("duration=4", "output.restart_interval=0.75", "reference.period=1"),
         "puma560_touch": ("output.restart_interval=0.3",),
         "puma560_force": ("output.restart_interval=0.4",),
         "puma560_obstacle": ("output.restart_interval=0.3", "integrator.method=bdf", "integrator.rtol=1e-7"),
@@ -314,12 +315,12 @@ class Resume(WithResults):
         "puma560_wrist_truncated": ("output.restart_interval=0.3",),
         "prismatic_arm_waypoints": ("output.restart_interval=0.5",),
         # sampled laws: with values of old samples, sensors, a late torque, a slow monitor
-        "puma560_sampled": ("duration=2", "output.restart_interval=0.2", "integrator.method=adams"),
-        "puma560_two_sweeps": ("duration=3", "output.restart_interval=0.21"),
-        "puma560_old_force": ("duration=3", "output.restart_interval=0.21"),
+        "puma560_sampled": ("output.restart_interval=0.2", "integrator.method=adams"),
+        "puma560_two_sweeps": ("duration=1.5", "output.restart_interval=0.21"),
+        "puma560_old_force": ("duration=1.5", "output.restart_interval=0.21", "verify.shadow=false"),
         "puma560_encoders": ("output.restart_interval=0.1",),
-        "puma560_late_torque": ("duration=2", "output.restart_interval=0.1"),
-        "puma560_hybrid": ("duration=3", "output.restart_interval=0.1", "verify.record=worst"),
+        "puma560_late_torque": ("output.restart_interval=0.1"),
+        "puma560_hybrid": ("duration=2", "output.restart_interval=0.1", "verify.record=worst"),
     }
 
     def test_a_killed_run_goes_on_as_if_nothing_had_been(self):
@@ -342,7 +343,9 @@ class Resume(WithResults):
         done = call("replay", out)  # of what there is
         self.assertEqual(done.returncode, 0, done.stdout)
         self.assertIn("was stopped (status interrupted)", done.stdout)
-        target, said = self.resumed(out)
+        again = self.stop(self.folder / "again.h5", signal.SIGKILL, 7, "resume", out)
+        target, said = self.resumed(again)
+        self.assertIn("resumed from the restart point at t = ", said)
         self.identical(whole, target)
         self.assertEqual(call("replay", target).returncode, 0)
 
