@@ -319,7 +319,7 @@ class Resume(WithResults):
         "puma560_two_sweeps": ("duration=1.5", "output.restart_interval=0.21"),
         "puma560_old_force": ("duration=1.5", "output.restart_interval=0.21", "verify.shadow=false"),
         "puma560_encoders": ("output.restart_interval=0.1",),
-        "puma560_late_torque": ("output.restart_interval=0.1"),
+        "puma560_late_torque": ("output.restart_interval=0.1",),
         "puma560_hybrid": ("duration=2", "output.restart_interval=0.1", "verify.record=worst"),
     }
 

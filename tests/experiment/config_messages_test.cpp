@@ -111,6 +111,8 @@ TEST_CASE("bad input is refused with place and reason") {
       {4, "integrator: {method: euler}", "4:22", "must be adams, bdf or runge_kutta."},
       {4, "duration:", "4:1", "duration = (nothing): must be one number."},
       {4, "output: {interval: 1e-9}", "4:20", "at most 1e8 instants"},
+      {4, "output: {restart_interval: 1e-9}", "4:28", "more than 1e5 restart points"},
+      {4, "output: {restart_interval: -1}", "4:28", "0 makes no restart points"},
       {4, "verify: {every: 0}", "4:17", "a whole number >= 1"},
       {4, "verify: {every: steps}", "4:17", "must be step or a whole number >= 1."},
       {4, "verify: {record: none}", "4:18", "must be all, worst or a whole number >= 1."},

@@ -75,7 +75,7 @@ Bits bits_of(const Experiment& e) {
   }
   if (e.base_motion) std::visit(AddReference{bits}, *e.base_motion);
   add_all(bits, std::array{e.integrator.rtol, e.integrator.atol_position, e.integrator.atol_velocity,
-                           e.integrator.max_step, e.duration, e.output.interval});
+                           e.integrator.max_step, e.duration, e.output.interval, e.output.restart_interval});
   for (const long x : {e.integrator.max_steps, e.verify.every, e.verify.record_every})
     bits.push_back(static_cast<std::uint64_t>(x));
   return bits;
@@ -207,6 +207,7 @@ TEST_CASE("what to_yaml writes is read back bit for bit") {
                         {"two", {"initial.q=[1, 2]", "expect={stop: \"\", fails: [g]}", "name=\"a b\""}, {}}};
   }
   e.output.interval = 0.1 + 0.2;
+  e.output.restart_interval = 0.1 + 0.7;
   e.expect = {"too_many_steps", {"g", "null_space"}};
   const auto text = to_yaml(e);
   INFO(text);
