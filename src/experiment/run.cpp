@@ -82,6 +82,7 @@ class Runner {
       result_.message = error.what();
       judge_without_command();
     } catch (const MemoryMismatch& error) {
+      if (!options_.from) throw;
       throw FileError(
           options_.from->file.string() + ": its restart point at t = " + std::to_string(options_.from->time) +
           " s cannot be used: " + error.what() + "; another version of osculate wrote it, or it is damaged");
@@ -163,6 +164,7 @@ class Runner {
     go_on_from(read);
   }
 
+  /// Everything that changes along the run is set or made anew from the numbers of a restart point.
   void go_on_from(Memory& memory) {
     remember(memory);
     memory.require_end();
@@ -181,7 +183,7 @@ class Runner {
     if (experiment_.verify.shadow) remember(memory, shadow_, shadow_factor);
   }
 
-  /// Read, it is made anew.
+  /// State and memory of the run or its shadow; read, it is made anew with them.
   void remember(Memory& memory, std::optional<Simulation>& simulation, double tighter) {
     double t = 0;
     std::vector<double> y;
