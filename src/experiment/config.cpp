@@ -230,7 +230,12 @@ Experiment parse_experiment(const std::string& text, const std::string& source,
                             const std::filesystem::path& directory,
                             const std::vector<std::string>& overrides) {
   auto document = yaml::parse(text, source);
-  for (const auto& change : overrides) yaml::apply_override(document, change, "--set " + change);
+  constexpr std::size_t longest_place = 200;  // what messages repeat of an override
+  for (const auto& change : overrides) {
+    std::string place = "--set " + change;
+    if (place.size() > longest_place) place.replace(longest_place, std::string::npos, "...");
+    yaml::apply_override(document, change, place);
+  }
   auto out = read_document(document, source, directory);
   const Map root({&document, "", document.place}, sections);
   const auto swept = read_sweep(root.at("sweep"));

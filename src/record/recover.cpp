@@ -35,6 +35,8 @@ void require_recoverable_name(const path& in) {
     throw FileError(in.string() + ": no such file");
   }
   if (std::filesystem::is_directory(in, ignored)) throw FileError(in.string() + ": is a directory");
+  if (!std::filesystem::is_regular_file(in, ignored))
+    throw FileError(in.string() + ": is a pipe or a device, not a regular file");
 }
 
 void require_unfinished(hid_t root, const path& in) {

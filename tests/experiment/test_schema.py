@@ -68,7 +68,9 @@ def changed(path, value):
     *around, last = path.split(".")
     here = document
     for key in around:
-        here = here.setdefault(key, {})
+        if not isinstance(here.get(key), dict):
+            here[key] = {}
+        here = here[key]
     here[last] = read(value)
     return document
 

@@ -204,8 +204,11 @@ void cook(const fs::path& target, const std::uint8_t* data, std::size_t size) {
   H5Fclose(file), H5Pclose(creation), H5Pclose(access);
 }
 
+bool in_child = false;
+
 [[noreturn]] void complain(const std::string& what) {
-  std::cerr << what << "\n";
+  std::cerr << what << std::endl;
+  if (in_child) _exit(1);  // abort() there is the library's, out of free()
   std::abort();
 }
 
@@ -230,6 +233,7 @@ void recover_in_child(const fs::path& in, const fs::path& out) {
   constexpr int blamed_on_library = 98;
   const pid_t child = fork();
   if (child == 0) {
+    in_child = true;
     alarm(5);
 #ifdef OSCULATE_SANITIZED
     __asan_set_error_report_callback([](const char* report) {
@@ -245,7 +249,8 @@ void recover_in_child(const fs::path& in, const fs::path& out) {
 #ifdef OSCULATE_SANITIZED
   const bool fine = signal == SIGALRM;  // the sanitizer turns all others into exit codes, but for abort()
 #else
-  const bool fine = signal == SIGALRM || signal == SIGSEGV || signal == SIGBUS || signal == SIGFPE;
+  const bool fine =
+      signal == SIGALRM || signal == SIGSEGV || signal == SIGBUS || signal == SIGFPE || signal == SIGABRT;
 #endif
   const bool ended =
       WIFEXITED(status) && (WEXITSTATUS(status) == 0 || WEXITSTATUS(status) == blamed_on_library);
