@@ -197,7 +197,7 @@ def motion(result):
         finite = np.isfinite(values) & (values > 0)
         if (finite.sum(axis=1) >= 2).any():
             data[name] = {"values": packed(np.where(finite, values, np.nan)), "axes": packed(result.read(path + "_axes")[chosen]),
-                          "typical": float(np.median(values[finite])), "unit": style.unit_text(result.unit(path))}
+                          "typical": float(np.median(np.max(values, axis=1, where=finite, initial=0)[finite.any(axis=1)])), "unit": style.unit_text(result.unit(path))}
     return data, distance
 
 

@@ -32,9 +32,16 @@
     return Array.from(plot.x, (x, i) => [x, ...plot.lines.map((line) => (isNaN(line[i]) ? NaN : line[i]))]);
   }
 
-  // Scales labelled as the numbers need: powers of ten where logarithmic.
-  function axisLabel(plot) {
-    return (value) => plot.log ? (value === 0 ? "0" : value.toExponential(0).replace("e+", "e")) : String(Number(value.toPrecision(4)));
+  // Marks of a logarithmic scale: powers of ten where there are three or more, else 1, 2, 5.
+  function powers(low, high, pixels) {
+    const first = Math.floor(Math.log10(low)), last = Math.ceil(Math.log10(high)), marks = [];
+    const many = Math.log10(high / low) >= 2.5, stride = Math.max(1, Math.ceil((last - first) / (pixels / 20)));
+    for (let power = Math.ceil(first / stride) * stride; power <= last; power += stride)
+      for (const digit of many ? [1] : [1, 2, 5]) {
+        const value = Number(digit + "e" + power);
+        if (value >= low && value <= high) marks.push({v: value, label: value >= 0.01 && value < 1000 ? String(value) : digit + "e" + power});
+      }
+    return marks;
   }
 
   function options(plot, chart) {
@@ -45,7 +52,8 @@
       labels: ["time", ...plot.names.map((_, i) => key(i))], colors: plot.names.map((_, i) => page.colour("series-" + i % shades)),
       series: series, legend: "never", strokeWidth: 1.5, highlightCircleSize: 0, showLabelsOnHighlight: false, logscale: plot.log,
       dateWindow: stretch, axisLineColor: soft, gridLineColor: faint, gridLineWidth: 0.5, xAxisHeight: 18, digitsAfterDecimal: 4,
-      axes: {y: {axisLabelWidth: 52, axisLabelFormatter: axisLabel(plot), pixelsPerLabel: plot.log ? 22 : 28},
+      axes: {y: {axisLabelWidth: 52, pixelsPerLabel: 28, axisLabelFormatter: (value) => String(Number(value.toPrecision(4))),
+                 ...(plot.log ? {ticker: powers} : {})},
              x: {axisLabelFormatter: (value) => String(Number(value.toPrecision(6))) + " s", pixelsPerLabel: 70}},
       interactionModel: interaction, underlayCallback: shade, rightGap: 12,
       drawCallback: (graph) => moveCursor(chart, graph),

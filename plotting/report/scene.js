@@ -48,8 +48,8 @@
       scene.add(group);
       return group;
     }
-    function line(points, colour, width, opacity) {
-      const made = shapes.line(points, colour, width, opacity);
+    function line(...words) {
+      const made = shapes.line(...words);
       lines.push(made);
       return made;
     }
@@ -71,7 +71,7 @@
     if (surroundings) addSurroundings(surroundings);
     const arrow = data.force ? addForce() : null;
     const ellipsoids = [["effective_mass", "effective mass", "series-2", true], ["effective_inertia", "effective inertia", "series-3", false]]
-      .filter(([name]) => data[name]).map((words) => addEllipsoid(...words));
+      .filter(([name]) => data[name]).map((words) => ({text: words[1], show: addEllipsoid(...words)}));
 
     function addFloor() {
       const floor = layer("floor", "floor and axes", page.colour("line"), true);
@@ -85,7 +85,7 @@
       const geometry = new THREE.BufferGeometry();
       geometry.setAttribute("position", new THREE.Float32BufferAttribute(points, 3));
       floor.add(new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({color: new THREE.Color(page.colour("line"))})));
-      const triad = shapes.triad(0.14 * size);
+      const triad = shapes.triad(0.2 * size);
       triad.children.forEach((axis) => lines.push(axis));
       floor.add(triad);
       view.cell = cell;
@@ -132,8 +132,8 @@
       const group = layer("path", "path of the tip", page.colour("series-0"), true);
       const points = Array.from(data.tip);
       if (points.length < 6) return null;
-      const colour = page.colour("series-0"), past = line(points, colour, 3);
-      group.add(line(points, colour, webgl ? 1.2 : 1.6, webgl ? 0.55 : 1), past);
+      const colour = page.colour("series-0"), past = line(points, colour, 3, 1, 3);
+      group.add(line(points, colour, webgl ? 1.2 : 1.6, webgl ? 0.55 : 1, 2), past);
       past.visible = webgl;
       return past;
     }
@@ -143,7 +143,7 @@
       for (let i = 0; i < reference.length; i += 3) if (isFinite(reference[i])) points.push(reference[i], reference[i + 1], reference[i + 2]);
       if (points.length < 6) return;
       const group = layer("reference", "reference", page.colour("series-4"), true);
-      group.add(line(points, page.colour("series-4"), webgl ? 5 : 3, webgl ? 0.45 : 1));
+      group.add(line(points, page.colour("series-4"), webgl ? 6 : 3, webgl ? 0.6 : 1, 1));
       view.target = shapes.ball(1.25 * thick, shapes.material(page.colour("series-4"), 0.4));
       group.add(view.target);
     }
@@ -182,19 +182,23 @@
       const body = shapes.ball(1, shapes.material(page.colour(colour), 0.34));
       body.matrixAutoUpdate = false;
       group.add(body);
-      const scale = 0.085 * size / numbers.typical, longest = 3.5 * 0.085 * size;
+      const scale = 0.15 * size / numbers.typical, longest = 0.5 * size;
       view.scales = (view.scales || []).concat([{name: name, text: text, unit: numbers.unit, perMetre: 1 / scale}]);
+      // Draws it at an instant. Returns what the reader must know, "" if nothing.
       return function (at) {
+        if (!group.visible) return "";
         const half = [0, 1, 2].map((i) => numbers.values[3 * at + i] * scale);
         const known = half.filter(isFinite).length;
-        body.visible = known >= 2 && Math.max(...half.filter(isFinite)) <= longest;
-        if (!body.visible) return;
+        const most = Math.max(...half.filter(isFinite));
+        body.visible = known >= 2 && most <= longest;
+        if (!body.visible) return known < 2 ? "does not exist" : "is too large to draw";
         const directions = [0, 1, 2].map((i) => vector(numbers.axes, 9 * at + 3 * i));
         if (directions[0].clone().cross(directions[1]).dot(directions[2]) < 0) directions[2].negate();
         const basis = new THREE.Matrix4().makeBasis(...directions);
         body.matrix.copy(basis).scale(new THREE.Vector3(...half.map((length) => isFinite(length) ? Math.max(length, 1e-5 * size) : 1e-3 * size)));
         body.matrix.setPosition(view.tip);
         body.matrixWorldNeedsUpdate = true;
+        return known < 3 ? "is infinite across the disc" : "";
       };
     }
 
@@ -232,18 +236,18 @@
         arrow.position.copy(view.tip);
         arrow.point(force > 0 ? wrench.clone().divideScalar(force) : new THREE.Vector3(0, 0, 1), force * view.forceScale);
       }
-      for (const show of ellipsoids) show(nearest);
-      readout(where, force);
+      readout(where, force, ellipsoids.map(({text, show}) => [text, show(nearest)]));
       view.draw();
     };
 
     const text = document.getElementById("readout");
-    function readout(where, force) {
+    function readout(where, force, remarks) {
       const fixed = (value) => (value < 0 ? "−" : " ") + Math.abs(value).toFixed(4);
       const away = view.target ? view.tip.distanceTo(view.target.position) : NaN;
       text.textContent = "tip  x" + fixed(view.tip.x) + "  y" + fixed(view.tip.y) + "  z" + fixed(view.tip.z) + " m"
         + (isFinite(away) && away > 1e-7 ? "\nfrom the reference " + page.number(away, 3) + " m" : "")
-        + (force === null ? "" : "\nforce on the tip " + page.number(force, 3) + " N");
+        + (force === null ? "" : "\nforce on the tip " + page.number(force, 3) + " N")
+        + remarks.filter(([, remark]) => remark).map(([name, remark]) => "\n" + name + " " + remark).join("");
     }
 
     let waiting = false;
@@ -253,12 +257,13 @@
       requestAnimationFrame(() => { waiting = false; renderer.render(scene, camera); });
     };
 
-    let wanted = new THREE.Vector3(1, -1.25, 0.62);
-    view.look = function (direction, distance) {
+    let wanted = new THREE.Vector3(1, -1.25, 0.62), moved = false;
+    view.look = function (direction) {
       wanted = direction.clone().normalize();
+      moved = false;
       const angle = Math.atan(Math.tan(camera.fov * Math.PI / 360) * Math.min(1, camera.aspect));
       controls.target.copy(middle);
-      camera.position.copy(middle).addScaledVector(wanted, distance || 0.56 * size / Math.sin(angle));
+      camera.position.copy(middle).addScaledVector(wanted, 0.53 * size / Math.sin(angle));
       camera.near = size / 100;
       camera.far = size * 60;
       camera.updateProjectionMatrix();
@@ -266,6 +271,7 @@
       view.draw();
     };
     view.dolly = function (factor) {
+      moved = true;
       const away = camera.position.clone().sub(controls.target);
       camera.position.copy(controls.target).addScaledVector(away, factor);
       controls.update();
@@ -278,7 +284,7 @@
       camera.updateProjectionMatrix();
       renderer.setSize(width, height);
       for (const each of lines) each.resize(width, height);
-      view.draw();
+      if (moved) view.draw(); else view.look(wanted);
     }
 
     box.appendChild(renderer.domElement);
@@ -287,10 +293,10 @@
     controls.enableZoom = false;  // the wheel scrolls the page until the view was clicked
     controls.rotateSpeed = 0.8;
     controls.addEventListener("change", view.draw);
+    controls.addEventListener("start", () => { moved = true; });
     box.addEventListener("pointerdown", () => { controls.enableZoom = true; });
     box.addEventListener("pointerleave", () => { controls.enableZoom = false; });
     fit();
-    view.look(wanted);
     new ResizeObserver(fit).observe(box);
     view.renderer = renderer;
     view.camera = camera;

@@ -11,7 +11,7 @@
     shapes.material = function (colour, opacity = 1) {
       const options = {color: new THREE.Color(colour), opacity: opacity, transparent: opacity < 1, depthWrite: opacity === 1};
       return webgl ? new THREE.MeshPhongMaterial({...options, shininess: 25, specular: new THREE.Color("#333333")})
-                   : new THREE.MeshLambertMaterial({...options, overdraw: 0.5});
+                   : new THREE.MeshLambertMaterial(options);
     };
 
     const mesh = (geometry, material) => new THREE.Mesh(geometry, material);
@@ -57,12 +57,14 @@
     // Quaternion w x y z from an array.
     shapes.quaternion = (array, at) => new THREE.Quaternion(array[at + 1], array[at + 2], array[at + 3], array[at]);
 
-    // A line through points (x, y, z, x, y, z, ...), `width` in pixels; line.upTo(n) shows its first n pieces.
-    shapes.line = function (points, colour, width, opacity = 1) {
+    // A line through points (x, y, z, x, y, z, ...), `width` in pixels; line.upTo(n) shows its first n pieces. Lines of a
+    // higher `order` are drawn over those of a lower one where both are equally near.
+    shapes.line = function (points, colour, width, opacity = 1, order = 0) {
       let line;
       if (webgl) {
         const geometry = new THREE.LineGeometry().setPositions(points);
-        const material = new THREE.LineMaterial({color: new THREE.Color(colour), linewidth: width, transparent: opacity < 1, opacity: opacity});
+        const material = new THREE.LineMaterial({color: new THREE.Color(colour), linewidth: width, transparent: true, opacity: opacity,
+                                                  depthWrite: false});
         line = new THREE.Line2(geometry, material);
         line.upTo = (count) => { geometry.maxInstancedCount = count; };
         line.resize = (x, y) => material.resolution.set(x, y);
@@ -73,6 +75,7 @@
         line.upTo = () => {};  // SVG draws whole lines
         line.resize = () => {};
       }
+      line.renderOrder = order;
       line.frustumCulled = false;
       return line;
     };

@@ -20,8 +20,7 @@
     return;
   }
 
-  const views = {front: [-1, 0, 0.001], side: [0, -1, 0.001], top: [0, -0.001, 1], free: [1, -1.25, 0.62]};
-  views.front[0] = 1;  // looks along -x
+  const views = {front: [1, 0, 0.001], side: [0, -1, 0.001], top: [0, -0.001, 1], free: [1, -1.25, 0.62]};  // where the eye is
   for (const button of all("[data-view]")) {
     button.addEventListener("click", () => {
       const name = button.dataset.view;
@@ -36,7 +35,7 @@
     box.checked = layer.group.visible;
     box.dataset.layer = name;
     mark.style.background = layer.colour;
-    box.addEventListener("change", () => { layer.group.visible = box.checked; caption(); scene.draw(); });
+    box.addEventListener("change", () => { layer.group.visible = box.checked; caption(); scene.show(page.player.time); });
     label.append(box, mark, document.createTextNode(layer.text));
     document.getElementById("layers").append(label);
   }
