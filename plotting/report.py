@@ -139,6 +139,7 @@ def page(result, refresh=None):
     """The page of an open run as one text. With `refresh` the browser loads it again after so many seconds. Raises NoLibrary."""
     scripts, library_style = libraries()
     data, remarks, distance = page_data(result)
+    data["live"] = refresh is not None
     if distance is not None and distance > 1e-6:
         remarks.insert(0, f"The drawn tip is up to {distance:.2g} m from the recorded one: the model in the file is not the arm that moved.")
     rows, texts = provenance(result)

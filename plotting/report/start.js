@@ -2,6 +2,7 @@
 (function (page) {
   "use strict";
   const scene = page.scene;
+  const begin = page.data.live ? page.data.end : page.data.start;  // of a run that goes on: its newest instant
   const all = (selector) => document.querySelectorAll(selector);
 
   for (const button of all("button.when")) {
@@ -16,7 +17,7 @@
 
   if (!scene) {
     for (const element of all(".view-tools, #layers, #readout")) element.remove();
-    page.player.go(page.data.start);
+    page.player.go(begin);
     return;
   }
 
@@ -52,5 +53,5 @@
 
   caption();
   page.player.listen(scene.show);
-  page.player.go(page.data.start);
+  page.player.go(begin);
 })(window.osculate);
