@@ -146,13 +146,13 @@ def screen(view, state, left, width):
     lines = [f"{view.title}: {state}", f"{bar} {100 * share:5.1f} %  {view.time:.6g} of {view.duration:g} s" + (f"  left {clock(left)}" if left else ""), "",
              f"tip error    {number(view.error[0], 'm'):>14} {number(view.error[1], 'rad'):>14}",
              f"step size    {number(view.step_size, 's'):>14} {'order ' + str(view.order):>14}   local error {number(view.local_error)} of its tolerance", "",
-             f"{'claim':<19}{'residual':>10}{'bound':>10}{'worst/bound':>13}{'at time':>10}{'failing':>9}{'undecided':>11}"]
+             f"{'claim':<19}{'residual':>10}{'bound':>10}{'worst/bound':>13}{'at time':>12}{'failing':>9}{'undecided':>11}"]
     for name, claim in view.claims.items():
         if math.isnan(claim.bound) and math.isnan(claim.value):
             continue
         when = "-" if math.isnan(claim.at) else f"{claim.at:.4g} s"
         lines.append(f"{name:<19}{number(claim.value):>10}{number(claim.bound):>10}{'-' if math.isnan(claim.worst) else format(claim.worst, '.2g'):>13}"
-                     f"{when:>10}{claim.failing:>9}{claim.undecided:>11}")
+                     f"{when:>12}{claim.failing:>9}{claim.undecided:>11}")
     return [line[:width] for line in lines]
 
 
