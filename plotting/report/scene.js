@@ -32,7 +32,7 @@
     const camera = new THREE.PerspectiveCamera(32, 1, 0.001, 1000);
     camera.up.set(0, 0, 1);
     const layers = {}, lines = [];
-    const view = {webgl: webgl, layers: layers, tip: new THREE.Vector3(), frames: []};
+    const view = {webgl: webgl, layers: layers, tip: new THREE.Vector3()};
     const vector = (array, at = 0) => new THREE.Vector3(array[at], array[at + 1], array[at + 2]);
 
     const low = vector(data.low), high = vector(data.high);
@@ -173,7 +173,6 @@
       let most = 0;
       for (let i = 0; i < data.force.length; i += 3) most = Math.max(most, vector(data.force, i).length());
       view.forceScale = 0.3 * size / most;
-      view.mostForce = most;
       return arrow;
     }
 
@@ -249,6 +248,9 @@
         + (force === null ? "" : "\nforce on the tip " + page.number(force, 3) + " N")
         + remarks.filter(([, remark]) => remark).map(([name, remark]) => "\n" + name + " " + remark).join("");
     }
+
+    // Where the mark of the tip was last drawn, m.
+    view.drawnTip = () => new THREE.Vector3().setFromMatrixPosition(tipMark.matrixWorld).toArray();
 
     let waiting = false;
     view.draw = function () {

@@ -4,8 +4,11 @@ Environment: OSCULATE (the program), OSCULATE_SOURCE_DIR (the project's root).
 """
 import os
 import re
+import shutil
 import subprocess
 import sys
+import tempfile
+import unittest
 from pathlib import Path
 
 os.environ["MPLBACKEND"] = "Agg"
@@ -15,6 +18,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, str(ROOT / "plotting"))
 
 from figures import FIGURES, SWEEP_FIGURES, NotApplicable  # noqa: E402
+from result import Result  # noqa: E402
 
 LABEL = re.compile(r"\[[^\[\]]+\]$")  # a unit at the end
 
@@ -29,6 +33,11 @@ def run(experiment, output, *settings, verb="run"):
 def plot(*arguments):
     command = [sys.executable, str(ROOT / "plotting" / "plot.py"), *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def report(*arguments, **environment):
+    command = [sys.executable, str(ROOT / "plotting" / "report.py"), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **environment})
 
 
 def make_all(result):
@@ -76,3 +85,23 @@ def overlaps(figure):
         if axes.name != "3d":
             boxes += [(text.get_text(), text.get_window_extent(renderer)) for text in _texts(axes) if text.get_text() and text.get_visible()]
     return [(one, other) for i, (one, first) in enumerate(boxes) for other, second in boxes[i + 1 :] if first.overlaps(second)]
+
+
+class Files(unittest.TestCase):
+    """Runs a few experiments for a short time, once."""
+
+    wanted = {}  # name: settings
+
+    @classmethod
+    def setUpClass(cls):
+        cls.directory = Path(tempfile.mkdtemp())
+        cls.addClassCleanup(shutil.rmtree, cls.directory)
+        cls.files = {}
+        for name, settings in cls.wanted.items():
+            cls.files[name] = cls.directory / f"{name}.h5"
+            assert run(ROOT / "experiments" / f"{name}.yaml", cls.files[name], *settings) == 0, name
+
+    def open(self, name):
+        result = Result(self.files[name])
+        self.addCleanup(result.close)
+        return result
