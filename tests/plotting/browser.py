@@ -70,6 +70,7 @@ class Browser:
         return [entry for entry in self.driver.get_log("browser") if "GL Driver Message" not in entry["message"]]
 
     def requests(self):
-        """Addresses of everything that was asked for since the last call."""
+        """Addresses of everything that pages from disk have asked for since the last call, themselves included."""
         events = (json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance"))
-        return [event["params"]["request"]["url"] for event in events if event["method"] == "Network.requestWillBeSent"]
+        asked = [event["params"] for event in events if event["method"] == "Network.requestWillBeSent"]
+        return [params["request"]["url"] for params in asked if params["documentURL"].startswith("file:")]

@@ -76,15 +76,30 @@ def _texts(axes):
                 yield tick.label1
 
 
-def overlaps(figure):
-    """Pairs of texts that overlap."""
+def _boxes(figure):
+    """Text and extent in pixels of everything written in the figure, but for what 3D axes turn."""
     figure.draw_without_rendering()
     renderer = figure._get_renderer()
-    boxes = [("title", figure._suptitle.get_window_extent(renderer))]
+    seen = [figure._suptitle, figure._supxlabel, figure._supylabel, *figure.texts]
+    seen += [text for part in (figure, *figure.subfigs) for legend in part.legends for text in legend.get_texts()]
+    seen += [part._suptitle for part in figure.subfigs]
     for axes in panels(figure):
         if axes.name != "3d":
-            boxes += [(text.get_text(), text.get_window_extent(renderer)) for text in _texts(axes) if text.get_text() and text.get_visible()]
+            seen += _texts(axes)
+    unique = {id(text): text for text in seen if text is not None and text.get_visible() and text.get_text().strip()}
+    return [(text.get_text(), text.get_window_extent(renderer)) for text in unique.values()]
+
+
+def overlaps(figure):
+    """Pairs of texts that overlap."""
+    boxes = _boxes(figure)
     return [(one, other) for i, (one, first) in enumerate(boxes) for other, second in boxes[i + 1 :] if first.overlaps(second)]
+
+
+def outside(figure):
+    """Texts that the edge of the figure cuts."""
+    edge = figure.bbox
+    return [text for text, box in _boxes(figure) if box.x0 < edge.x0 or box.y0 < edge.y0 or box.x1 > edge.x1 or box.y1 > edge.y1]
 
 
 class Files(unittest.TestCase):

@@ -8,7 +8,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from support import LABEL, ROOT, legend_texts, make_all, overlaps, panels, plot, run
+from support import LABEL, ROOT, legend_texts, make_all, outside, overlaps, panels, plot, run
 
 import h5py
 import numpy as np
@@ -159,6 +159,7 @@ class Figures(unittest.TestCase):
     def test_no_text_overlaps_another(self):
         for name, figure in self.made.items():
             self.assertEqual(overlaps(figure), [], name)
+            self.assertEqual(outside(figure), [], name)
 
     def test_command_makes_every_file(self):
         done = plot(self.file)

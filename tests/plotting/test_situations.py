@@ -9,7 +9,7 @@ import time
 import unittest
 from pathlib import Path
 
-from support import LABEL, PROGRAM, ROOT, legend_texts, make_all, overlaps, panels, plot, run, spans
+from support import LABEL, PROGRAM, ROOT, legend_texts, make_all, outside, overlaps, panels, plot, run, spans
 
 import h5py
 import numpy as np
@@ -108,6 +108,7 @@ class Situation(unittest.TestCase):
                     if text:
                         self.assertRegex(text, LABEL, name)
             self.assertEqual(overlaps(self.made[name]), [], name)
+            self.assertEqual(outside(self.made[name]), [], name)
 
     def assert_drawn(self, line, times, values):
         np.testing.assert_array_equal(line.get_xdata(), times)
