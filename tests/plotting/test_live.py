@@ -2,7 +2,6 @@
 
 Environment: as support.py says.
 """
-import os
 import re
 import shutil
 import signal
@@ -68,20 +67,19 @@ class Live(unittest.TestCase):
     def test_it_waits_advances_and_ends_with_the_run(self):
         file, page = self.directory / "run.h5", self.directory / "run.html"
         process, lines = self.watch(file, "--report", page)
-        time.sleep(0.5)
-        self.assertEqual(lines, [])  # it waits
+        self.assertEqual(process.stderr.readline(), f"live.py: waiting for {file}\n")
+        self.assertEqual(lines, [])
         self.assertIsNone(process.poll())
         run_process = self.start(file, 100000)
         self.wait_until(lambda: len(set(self.times(lines))) >= 4, "the view does not advance")
         seen = [t for t in self.times(lines) if t == t]
         self.assertEqual(seen, sorted(seen))
-        self.assertTrue(LOOK.match(lines[-1]).group(1), "running")
+        self.assertEqual(LOOK.match(lines[-1]).group(1), "running")
         self.wait_until(page.exists, "no page was made")
         self.assertIn('http-equiv="refresh"', page.read_text())
         run_process.send_signal(signal.SIGTERM)  # it stops in an orderly way and finishes its file
         self.assertEqual(run_process.wait(), 143)
         self.assertEqual(process.wait(timeout=60), 3)
-        self.assertIn(f"waiting for {file}", process.stderr.read())
         self.wait_until(lambda: lines and lines[-1].startswith("interrupted"), "the end is not told")
         with h5py.File(file) as data:  # what it told last is what the file ends with
             last, steps = max(data["time"][-1], data["step_time"][-1]), len(data["step"])
@@ -109,8 +107,8 @@ class Live(unittest.TestCase):
         self.wait_until(lambda: lines, "nothing is told")
         self.assertTrue(lines[0].startswith("complete, verdict pass: t 0.3 of 0.3 s"))
         self.assertEqual(len(lines), 1)
-        failing = self.directory / "failing.h5"  # a plant that the law does not know, and no word that this is expected
-        self.assertEqual(run(ROOT / "experiments" / "puma560_circle.yaml", failing, "duration=0.3", "plant.payload.mass=3"), 1)
+        failing = self.directory / "failing.h5"  # a claim that is said to fail, and does not
+        self.assertEqual(run(ROOT / "experiments" / "puma560_circle.yaml", failing, "duration=0.3", "expect.fails=[omega]"), 1)
         process, lines = self.watch(failing)
         self.assertEqual(process.wait(timeout=60), 1)
         stopped = self.directory / "stopped.h5"
