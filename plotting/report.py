@@ -78,7 +78,12 @@ def verdict_table(result):
     heads = (("claim", ""), ("equation", ""), ("worst residual", "number"), ("bound", "number"), ("when", "number"), ("undecided steps", "number"),
              ("result", ""))
     head = "".join(f'<th scope="col" class="{kind}">{name}</th>' for name, kind in heads)
-    return f'<table class="verdict"><caption class="hidden">Verdict by claim</caption><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
+    note = ""
+    if result.verdict == "as_expected":
+        note = '<p class="note">The experiment expects this outcome: see expect in the configuration.</p>'
+    elif result.verdict == "fail" and result.status == "complete" and all(row.result != 0 for row in result.verdicts().values()):
+        note = '<p class="note">No claim fails, but what the experiment expects did not come: see expect in the configuration.</p>'
+    return note + f'<table class="verdict"><caption class="hidden">Verdict by claim</caption><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
 
 
 def summary(result):

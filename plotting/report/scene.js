@@ -265,7 +265,7 @@
       moved = false;
       const angle = Math.atan(Math.tan(camera.fov * Math.PI / 360) * Math.min(1, camera.aspect));
       controls.target.copy(middle);
-      camera.position.copy(middle).addScaledVector(wanted, 0.53 * size / Math.sin(angle));
+      camera.position.copy(middle).addScaledVector(wanted, 0.56 * size / Math.sin(angle));
       camera.near = size / 100;
       camera.far = size * 60;
       camera.updateProjectionMatrix();

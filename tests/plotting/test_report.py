@@ -15,6 +15,7 @@ import h5py
 import numpy as np
 from experiment_text import base_moves, duration, experiment, model_link, obstacles, surface
 from kinematics import COORDINATES, NoArm, placed, read_arm, to_quaternions
+from report import verdict_table
 from report_data import BINS, FRAMES, page_data, thinned
 from result import Result
 
@@ -130,6 +131,15 @@ class Contents(Files):
                 self.assertEqual(float(re.search(rf'data-label="{key}">(.*?)<', cells).group(1)), float(f"{value:.2e}"))
             self.assertEqual(float(re.search(r'data-time="(.*?)"', cells).group(1)), row.at_time)
             self.assertEqual(int(re.search(r'data-label="undecided">(\d+)', cells).group(1)), row.undecided_steps)
+
+    def test_expectations_are_named(self):
+        file = self.directory / "expected.h5"
+        self.assertNotIn("see expect", self.text)
+        for settings, code, words in ((("expect.fails=[omega]",), 1, "what the experiment expects did not come"),
+                                      (("initial.q=[0, 0, 0, 0, 0, 0]", "expect.stop=singular"), 0, "The experiment expects this outcome")):
+            self.assertEqual(run(EXPERIMENTS / "puma560_circle.yaml", file, "duration=0.05", *settings), code)
+            with Result(file) as result:
+                self.assertIn(words, verdict_table(result))
 
     def test_configuration_and_provenance_are_complete(self):
         unescaped = self.text.replace("&quot;", '"').replace("&#x27;", "'").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
