@@ -90,10 +90,11 @@
         arrow.visible = length > 0;
         if (!arrow.visible) return;
         arrow.quaternion.setFromUnitVectors(up, direction);
-        const whole = Math.max(length - 4.5 * radius, length * 0.3);
-        shaft.scale.set(1, whole, 1);
-        shaft.position.set(0, whole / 2, 0);
-        head.position.set(0, whole + 2.25 * radius, 0);
+        const slim = Math.min(1, length / (9 * radius)), tip = 4.5 * radius * slim;  // a short arrow is thinner
+        shaft.scale.set(slim, length - tip, slim);
+        shaft.position.set(0, (length - tip) / 2, 0);
+        head.scale.set(slim, slim, slim);
+        head.position.set(0, length - tip / 2, 0);
       };
       return arrow;
     };
