@@ -70,6 +70,7 @@ def _texts(axes):
     legend = axes.get_legend()
     yield from (axes.xaxis.label, axes.yaxis.label, axes.title, axes._left_title, *axes.texts, *(legend.get_texts() if legend else ()))
     for axis in (axes.xaxis, axes.yaxis):
+        yield axis.get_offset_text()
         low, high = sorted(axis.get_view_interval())
         for tick in axis.get_major_ticks():
             if tick.label1.get_visible() and low - 1e-9 * abs(low) <= tick.get_loc() <= high + 1e-9 * abs(high):
