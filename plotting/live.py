@@ -248,6 +248,7 @@ def main(arguments=None):
     if not 0.01 <= options.every <= 3600:
         parser.error(f"--every {options.every:g}: give between 0.01 and 3600 s")
     live = sys.stdout.isatty()
+    sys.stdout.reconfigure(errors="replace")  # a terminal without the characters of the bar
     try:
         if live:
             sys.stdout.write("\x1b[2J")

@@ -40,7 +40,7 @@ def libraries():
     """The texts of all libraries, and of their style sheets. Raises NoLibrary."""
     def text(package, name):
         try:
-            return (LIBRARIES / name).read_text()
+            return (LIBRARIES / name).read_text(encoding="utf-8")
         except OSError:
             raise NoLibrary(f"{LIBRARIES / name} is missing. Install the Debian package {package}: "
                             f"sudo apt-get install --no-install-recommends {package}") from None
@@ -48,6 +48,17 @@ def libraries():
     scripts = [text(package, name) for package, names in FROM_PACKAGES.items() for name in names]
     return scripts, text("libjs-dygraphs", "dygraphs/dygraph.min.css")
 
+
+def licences():
+    """What the packages say of the copyright of the libraries that go into the page, folded."""
+    pieces = []
+    for package in FROM_PACKAGES:
+        path = Path("/usr/share/doc") / package / "copyright"
+        try:
+            pieces.append(folded(f"licence of {package}", path.read_text(encoding="utf-8"), str(path).lstrip("/")))
+        except OSError:  # a machine without /usr/share/doc: the page names the licences all the same
+            continue
+    return "".join(pieces)
 
 
 def escaped(value):
@@ -158,14 +169,14 @@ def page(result, refresh=None):
         "facts": " · ".join(escaped(fact) for fact in facts if fact), "file": escaped(result.path.name), "summary": escaped(summary(result)),
         "verdict": verdict_table(result), "remarks": "".join(f"<li>{escaped(remark)}</li>" for remark in remarks),
         "measured": pairs(scalars(result, "measured", "global_error", "analytic_response")), "timing": pairs(scalars(result, "timing")),
-        "configuration": "".join(folded(*text, is_open=text[2] == "provenance/experiment") for text in texts), "provenance": pairs(rows),
+        "configuration": "".join(folded(*text, is_open=text[2] == "provenance/experiment") for text in texts), "provenance": pairs(rows), "licences": licences(),
         "refresh": f'<meta http-equiv="refresh" content="{refresh}">' if refresh else "",
-        "palette": palette(), "style": library_style + (PARTS / "page.css").read_text(),
+        "palette": palette(), "style": library_style + (PARTS / "page.css").read_text(encoding="utf-8"),
         "data": json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/"),
         "scripts": "\n".join(f"<script>{text.replace('</script', '<' + chr(92) + '/script')}</script>"
-                             for text in (*scripts, *((PARTS / name).read_text() for name in OURS))),
+                             for text in (*scripts, *((PARTS / name).read_text(encoding="utf-8") for name in OURS))),
     }
-    pieces = (PARTS / "page.html").read_text().split("{{")
+    pieces = (PARTS / "page.html").read_text(encoding="utf-8").split("{{")
     return pieces[0] + "".join(body[name] + rest for name, rest in (piece.split("}}", 1) for piece in pieces[1:]))
 
 
@@ -174,7 +185,7 @@ def write(path, text):
     path = Path(path)
     part = path.with_name(path.name + ".part")
     try:
-        part.write_text(text)
+        part.write_text(text, encoding="utf-8")
         part.replace(path)
     finally:
         part.unlink(missing_ok=True)
