@@ -210,10 +210,8 @@ class Watch:
                 if over or killed:
                     return 3 if killed else self.code()
             except (NotAResult, OSError, KeyError) as error:  # its end is being written, or it is no result
-                if isinstance(error, (report.NoLibrary, PermissionError)):
-                    raise
                 unreadable += 1
-                if unreadable >= 5:
+                if unreadable >= 5 or isinstance(error, PermissionError):
                     raise
             time.sleep(self.options.every)
 
