@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import weakref
 from pathlib import Path
 
 os.environ["MPLBACKEND"] = "Agg"
@@ -17,6 +18,7 @@ ROOT = Path(os.environ["OSCULATE_SOURCE_DIR"])
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(ROOT / "plotting"))
 
+import numpy as np  # noqa: E402
 from figures import FIGURES, SWEEP_FIGURES, NotApplicable  # noqa: E402
 from result import Result  # noqa: E402
 
@@ -77,30 +79,43 @@ def _texts(axes):
                 yield tick.label1
 
 
+_measured = weakref.WeakKeyDictionary()
+
+
 def _boxes(figure):
-    """Text and extent in pixels of everything written in the figure, but for what 3D axes turn."""
-    figure.draw_without_rendering()
-    renderer = figure._get_renderer()
-    seen = [figure._suptitle, figure._supxlabel, figure._supylabel, *figure.texts]
-    seen += [text for part in (figure, *figure.subfigs) for legend in part.legends for text in legend.get_texts()]
-    seen += [part._suptitle for part in figure.subfigs]
-    for axes in panels(figure):
-        if axes.name != "3d":
-            seen += _texts(axes)
-    unique = {id(text): text for text in seen if text is not None and text.get_visible() and text.get_text().strip()}
-    return [(text.get_text(), text.get_window_extent(renderer)) for text in unique.values()]
+    """Texts of everything written in the figure, but for what 3D axes turn, and their extents: left, bottom, right, top in pixels.
+
+    Measured once: a figure must not change afterwards.
+    """
+    if figure not in _measured:
+        figure.draw_without_rendering()
+        renderer = figure._get_renderer()
+        seen = [figure._suptitle, figure._supxlabel, figure._supylabel, *figure.texts]
+        seen += [text for part in (figure, *figure.subfigs) for legend in part.legends for text in legend.get_texts()]
+        seen += [part._suptitle for part in figure.subfigs]
+        for axes in panels(figure):
+            if axes.name != "3d":
+                seen += _texts(axes)
+        unique = {id(text): text for text in seen if text is not None and text.get_visible() and text.get_text().strip()}
+        extents = [text.get_window_extent(renderer).extents for text in unique.values()]
+        _measured[figure] = [text.get_text() for text in unique.values()], np.reshape(extents, (-1, 4))
+    return _measured[figure]
 
 
 def overlaps(figure):
     """Pairs of texts that overlap."""
-    boxes = _boxes(figure)
-    return [(one, other) for i, (one, first) in enumerate(boxes) for other, second in boxes[i + 1 :] if first.overlaps(second)]
+    texts, boxes = _boxes(figure)
+    low, high = boxes[:, :2], boxes[:, 2:]
+    meet = np.all((low[:, None] <= high) & (low <= high[:, None]), axis=2)
+    return [(texts[i], texts[j]) for i, j in zip(*np.nonzero(np.triu(meet, 1)))]
 
 
 def outside(figure):
     """Texts that the edge of the figure cuts."""
-    edge = figure.bbox
-    return [text for text, box in _boxes(figure) if box.x0 < edge.x0 or box.y0 < edge.y0 or box.x1 > edge.x1 or box.y1 > edge.y1]
+    texts, boxes = _boxes(figure)
+    left, bottom, right, top = figure.bbox.extents
+    cut = (boxes[:, 0] < left) | (boxes[:, 1] < bottom) | (boxes[:, 2] > right) | (boxes[:, 3] > top)
+    return [texts[i] for i in np.flatnonzero(cut)]
 
 
 class Files(unittest.TestCase):
