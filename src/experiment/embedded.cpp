@@ -1,5 +1,7 @@
 #include "experiment/embedded.hpp"
 
+#include <algorithm>
+
 #include "experiment/arms.hpp"
 
 namespace osculate {

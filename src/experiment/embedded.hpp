@@ -13,7 +13,7 @@ using NamedFiles = std::map<std::string, std::string>;
 void add_files(const Experiment& experiment, NamedFiles& files);
 
 /// Reads the experiment of /provenance with its model and its waypoints, changed by `overrides`; no other
-/// file is opened. `file` is for messages. Throws ConfigError where something is missing.
+/// file is needed. `file` is for messages. Throws ConfigError where something is missing.
 Experiment embedded_experiment(const ResultTexts& texts, const std::filesystem::path& file,
                                const std::vector<std::string>& overrides = {});
 
