@@ -152,14 +152,15 @@ constexpr Symmetric<To, S> scaled_square(const Vec<To, S>& a, const S& s) {
 /// phi P phi*
 template <Field S>
 constexpr Inertia<S> carried(const Shift<S>& phi, const Inertia<S>& P) {
-  const Mat3<S> B = plus_left_cross(P.B, phi.l, P.A);
-  if (faulty(Fault::shift_inertia)) return {-less_right_cross_sum(-P.J, B, P.B, phi.l), B, P.A};
-  return {less_right_cross_sum(P.J, B, P.B, phi.l), B, P.A};
+  const Vec3<S> l = seeded(Fault::spatial_cross, phi.l);
+  const Mat3<S> B = plus_left_cross(P.B, l, P.A);
+  if (faulty(Fault::shift_inertia)) return {-less_right_cross_sum(-P.J, B, P.B, l), B, P.A};
+  return {less_right_cross_sum(P.J, B, P.B, l), B, P.A};
 }
 /// phi* Omega phi
 template <Field S>
 constexpr Compliance<S> carried(const Star<Shift<S>>& phi, const Compliance<S>& Omega) {
-  const Vec3<S>& l = phi.map.l;
+  const Vec3<S> l = seeded(Fault::spatial_cross, phi.map.l);
   const Mat3<S> B = plus_right_cross(Omega.B, Omega.J, l);
   if (faulty(Fault::shift_compliance)) return {Omega.J, B, -less_left_cross_sum(-Omega.A, B, Omega.B, l)};
   return {Omega.J, B, less_left_cross_sum(Omega.A, B, Omega.B, l)};
