@@ -37,20 +37,20 @@ inline constexpr std::array<PaperBound, 94> paper_bounds{{
     {4.87, 1.22, 87081},  // (40) V(0) = B* phi* (H* thd + E* V(n+1))
     {5.43, 1.36, 87081},  // (40) V = phi* (H* thd + E* V(n+1))
     {4.5, 1.12, 87081},  // (41) V = E_phi* V + H* thd + E* V(n+1)
-    {6.17, 1.54, 72976},  // (42) M = H phi M phi* H* + Jm
+    {6.14, 1.54, 56145},  // (42) M = H phi M phi* H* + Jm
     {4, 0.32, 90289},  // (43) C = H phi (M phi* a + b)
-    {5.62, 1.41, 83255},  // (44) G = H phi M phi* E* a_g
+    {5.49, 1.37, 20474},  // (44) G = H phi M phi* E* a_g
     {4.15, 1.04, 84115},  // (45) C + G = H phi (M phi* (a + E* a_g) + b)
     {7.63, 1.91, 27406},  // (46) Jdot thd = B* phi* a + a(0)
     {7.02, 1.76, 28702},  // (47) b(k) = (w x I w; m w x (w x p))
     {9.19, 2.3, 70864},  // (48) a(k) = (w' x s_w; w' x (w' x l) + 2 w' x s_v), w' = w(k+1), s = H* thd
-    {85.5, 21.4, 22172},  // (49) M = (1 + H phi K) D (1 + H phi K)*
+    {68.9, 17.2, 72810},  // (49) M = (1 + H phi K) D (1 + H phi K)*
     {4.3, 1.07, 3657},  // (50) (1 + H phi K) (1 - H psi K) = 1
     {14.1, 3.52, 40403},  // (51) M^-1 = (1 - H psi K)* D^-1 (1 - H psi K)
     {7.82, 1.95, 46433},  // (52) phi K H psi = phi - psi
     {7.84, 1.96, 46433},  // (52) psi K H phi = phi - psi
     {8.94, 2.23, 46433},  // (53) (1 - H psi K) H phi = H psi
-    {124, 31.1, 12276},  // (54) psi M phi* = P + psi~ P + P phi~*
+    {106, 26.5, 76744},  // (54) psi M phi* = P + psi~ P + P phi~*
     {4, 0, 0},  // (54) P + psi~ P = psi P
     {4, 0.971, 20132},  // (55) phi~ = phi E_phi
     {4, 0, 0},  // (55) phi~ = E_phi phi
@@ -59,7 +59,7 @@ inline constexpr std::array<PaperBound, 94> paper_bounds{{
     {17.6, 4.4, 61035},  // (59) (1 - H* D^-1 H psi P) E* = W*
     {11.7, 2.91, 60764},  // (60) J M^-1 J* = B* psi* H* D^-1 H psi B
     {11.6, 2.9, 80872},  // (60) J M^-1 J* = B* Omega B
-    {148, 37.1, 10270},  // (61) Lambda(0) B* Omega B = 1
+    {157, 39.3, 94657},  // (61) Lambda(0) B* Omega B = 1
     {4, 0.925, 71589},  // (62) Omega(0) c(0) = B* psi* H* D^-1 H psi (M phi* a + b) - B* phi* a - a(0)
     {15.8, 3.96, 47347},  // (63) D^-1 H P phi~* = K* phi*
     {121, 30.2, 6526},  // (63) psi* H* D^-1 H psi M phi* = psi* H* D^-1 H psi P + phi* - psi*
@@ -73,40 +73,40 @@ inline constexpr std::array<PaperBound, 94> paper_bounds{{
     {4.91, 1.23, 59022},  // - psi(k+1,k) G(k) = K(k+1,k) Jm(k) D(k)^-1
     {4.84, 1.21, 35922},  // - P(k) = P*(k)
     {6.64, 1.66, 59542},  // - Omega(k) = Omega*(k)
-    {80.6, 20.1, 86055},  // (37) P(k) by recursion
-    {57.5, 14.4, 86055},  // (37) D(k) by recursion
+    {84.2, 21.1, 61977},  // (37) P(k) by recursion
+    {56.1, 14, 63604},  // (37) D(k) by recursion
     {658, 164, 51212},  // (37) G(k) by recursion
-    {3.25e+03, 812, 56877},  // (37) K(k+1,k) by recursion
+    {1.65e+03, 413, 38188},  // (37) K(k+1,k) by recursion
     {838, 209, 41498},  // (37) psi(k+1,k) by recursion
-    {5.47e+03, 1.37e+03, 23721},  // (37) psi(n+1,n) by recursion
-    {30.8, 7.69, 87590},  // (39) T = J* F
-    {12.5, 3.13, 17822},  // (41) V(k) by recursion
-    {36.7, 9.18, 48187},  // (41) V(0) = J thd
-    {10.6, 2.64, 67576},  // (47) b(k) of link k
-    {10.2, 2.55, 30526},  // (48) a(k) of joint k
-    {26, 6.49, 45325},  // (48) a(0)
-    {30.4, 7.6, 27676},  // (51) thdd = M^-1 (T - C - G + J* F)
-    {18.9, 4.71, 31011},  // (8) tip acceleration = J thdd + Jdot thd
-    {6.35e+03, 1.59e+03, 83300},  // (58) Omega(k) by recursion
-    {18.9, 4.74, 27676},  // (60) Omega(0) = J M^-1 J*
-    {28.5, 7.14, 61977},  // (66) z = psi (P a' + b), a' = a + E* a_g
-    {127, 31.8, 41625},  // (66) xi = H* D^-1 H z - a'
-    {127, 31.8, 41625},  // (67) eta = psi* xi
+    {3.41e+03, 854, 23721},  // (37) psi(n+1,n) by recursion
+    {16.1, 4.02, 44977},  // (39) T = J* F
+    {12.9, 3.24, 50841},  // (41) V(k) by recursion
+    {33.4, 8.35, 48187},  // (41) V(0) = J thd
+    {6.74, 1.69, 65086},  // (47) b(k) of link k
+    {9.19, 2.3, 70864},  // (48) a(k) of joint k
+    {34.2, 8.55, 15700},  // (48) a(0)
+    {20.9, 5.23, 29780},  // (51) thdd = M^-1 (T - C - G + J* F)
+    {16.2, 4.04, 31011},  // (8) tip acceleration = J thdd + Jdot thd
+    {2.48e+03, 620, 23721},  // (58) Omega(k) by recursion
+    {29.5, 7.38, 66409},  // (60) Omega(0) = J M^-1 J*
+    {73.7, 18.4, 61977},  // (66) z = psi (P a' + b), a' = a + E* a_g
+    {63.7, 15.9, 41625},  // (66) xi = H* D^-1 H z - a'
+    {63.7, 15.9, 41625},  // (67) eta = psi* xi
     {8.39e+03, 2.1e+03, 75600},  // (68) eta(0) - a(0) = Omega(0) c(0)
-    {4.94e+03, 1.23e+03, 23721},  // (73) eta = psi* W* a_g
-    {88, 22, 92762},  // (74) phi*(1,0) (alpha(1) - eta(1)) = Omega(0) g(0)
-    {69, 17.3, 34545},  // section 4.3 one pass, with + a_g at the tip: Omega(0) (c(0) + g(0))
-    {632, 158, 4117},  // (4), (16) T in four sweeps = J* Lambda (u + J M^-1 (C + G) - Jdot thd)
-    {238, 59.5, 97830},  // (13) the same with a null-space torque T0, in the same sweeps
-    {29.7, 7.44, 36946},  // (2) the same with a known wrench on the tip: z(0) = -F
-    {662, 166, 2149},  // section 2 the same on a base that moves as prescribed
-    {632, 158, 4117},  // section 2 the same through joints of any kind
-    {632, 158, 4117},  // section 2 the same by resolved acceleration
-    {258, 64.5, 97830},  // (37)-(68) the same in link frames
-    {258, 64.5, 97830},  // section 4.2 old velocity terms at a frozen state, third sample: the same
-    {258, 64.5, 97830},  // section 5 old F_c at a frozen state, third sample: the same
-    {258, 64.5, 97830},  // section 5 two sweeps at a frozen state, third sample: the same
-    {27.2, 6.8, 77324},  // - kinetic energy = thd* M thd / 2
+    {2.93e+03, 731, 23721},  // (73) eta = psi* W* a_g
+    {92.7, 23.2, 92762},  // (74) phi*(1,0) (alpha(1) - eta(1)) = Omega(0) g(0)
+    {67.6, 16.9, 34545},  // section 4.3 one pass, with + a_g at the tip: Omega(0) (c(0) + g(0))
+    {637, 159, 4117},  // (4), (16) T in four sweeps = J* Lambda (u + J M^-1 (C + G) - Jdot thd)
+    {242, 60.5, 97830},  // (13) the same with a null-space torque T0, in the same sweeps
+    {31.3, 7.82, 36946},  // (2) the same with a known wrench on the tip: z(0) = -F
+    {663, 166, 2149},  // section 2 the same on a base that moves as prescribed
+    {637, 159, 4117},  // section 2 the same through joints of any kind
+    {637, 159, 4117},  // section 2 the same by resolved acceleration
+    {250, 62.5, 97830},  // (37)-(68) the same in link frames
+    {250, 62.5, 97830},  // section 4.2 old velocity terms at a frozen state, third sample: the same
+    {250, 62.5, 97830},  // section 5 old F_c at a frozen state, third sample: the same
+    {250, 62.5, 97830},  // section 5 two sweeps at a frozen state, third sample: the same
+    {24.2, 6.05, 24197},  // - kinetic energy = thd* M thd / 2
 }};
 // clang-format on
 

@@ -13,16 +13,16 @@ struct MeasuredBound {
 };
 inline constexpr unsigned long measured_states = 100000;
 inline constexpr std::array<MeasuredBound, 11> measured_bounds{{
-    {"omega", 112, 44.8, 39202},
+    {"omega", 110, 44.1, 39202},
     {"lambda", 3.35, 1.34, 4545},
     {"c", 2.51, 1, 77705},
-    {"g", 1.21, 0.482, 17532},
-    {"c_plus_g", 1.21, 0.484, 59783},
-    {"torque", 0.928, 0.371, 71840},
-    {"forward_dynamics", 257, 103, 71838},
-    {"linearization", 2.63, 1.05, 11240},
+    {"g", 1.12, 0.449, 17532},
+    {"c_plus_g", 1.16, 0.463, 78721},
+    {"torque", 1.01, 0.406, 7386},
+    {"forward_dynamics", 262, 105, 66009},
+    {"linearization", 2.79, 1.11, 12353},
     {"kinematics", 33.9, 13.6, 13751},
-    {"null_space", 0.14, 0.056, 37454},
+    {"null_space", 0.159, 0.0635, 37454},
     {"coordinates", 4.19, 1.68, 7013},
 }};
 
