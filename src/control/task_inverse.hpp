@@ -10,6 +10,13 @@ namespace osculate {
 class TaskInverse {
  public:
   TaskInverse(const Compliance<double>& Omega, const TaskRows& rows) : factor_(Omega, rows) {
+    if (are_all_rows(rows)) {  // nothing has to be looked up
+      diagonal_ = {component(Omega, 0, 0), component(Omega, 1, 1), component(Omega, 2, 2),
+                   component(Omega, 3, 3), component(Omega, 4, 4), component(Omega, 5, 5)};
+      weight_[0] = weight_[1] = weight_[2] = scale(diagonal_[0] + diagonal_[1] + diagonal_[2], 3);
+      weight_[3] = weight_[4] = weight_[5] = scale(diagonal_[3] + diagonal_[4] + diagonal_[5], 3);
+      return;
+    }
     double sum[2] = {0, 0};  // angular, linear
     int count[2] = {0, 0};
     for (std::size_t i = 0; i < rows.size(); ++i) {
