@@ -123,8 +123,8 @@ each figure is the best of {repetitions}. Typically the median is {median:.0%} a
 
 - one core, {processor}
 - `{build}`
-- the peers are Debian's binaries for any x86-64. The composition around their calls has our flags, but for KDL and
-  DART without AVX2: their interfaces hold Eigen's types
+- the peers are Debian's binaries for any x86-64. The composition around their calls has our flags, but without
+  AVX2: some of their interfaces hold Eigen's types
 - the arms: `random<n>` has n revolute joints with arbitrary axes, offsets and inertias; `puma560` and `arm7` are in
   `models/`. No rotor inertia, which not every peer has, and moments
   of the PUMA 560 raised to what a solid can have, because MuJoCo and Simbody refuse the published ones

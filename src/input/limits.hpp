@@ -15,9 +15,9 @@ inline constexpr std::uintmax_t waypoint_bytes = std::uintmax_t{64}
 inline constexpr int urdf_nesting = 1000;                // levels of XML; real files have six
 
 // Experiments.
-inline constexpr int yaml_depth = 40;           // maps and lists in each other
-inline constexpr int yaml_values = 200'000;     // aliases are copied, so a short text could ask for more
-inline constexpr std::size_t variants = 1'000;  // runs of one sweep
+inline constexpr int yaml_depth = 40;             // maps and lists in each other
+inline constexpr int yaml_values = 200'000;       // aliases are copied, so a short text could ask for more
+inline constexpr std::size_t variants = 1'000;    // runs of one sweep
 inline constexpr double recorded_instants = 1e8;  // of one run; more is a slip of output.interval
 inline constexpr double samples = 1e9;            // of one run of a sampled law
 inline constexpr double restarts = 1e5;           // restart points of one run
