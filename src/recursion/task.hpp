@@ -144,6 +144,7 @@ class TaskFactor {
   /// over pivots. Entries from size() on must be zero. About 90 operations.
   S inverse_trace(const TaskVector<S>& w2) const {
     const auto [a, b, c, d, e, f] = m_ == 6 ? w2 : moved_to_end(w2);
+    const Vec3<S> w{a, b, c};
     const S yx = -upper_.yx, zy = -upper_.zy, zx = upper_.yx * upper_.zy - upper_.zx;  // of L1^-1
     const S in_upper = a * upper_.ix + (a * yx * yx + b) * upper_.iy + (a * zx * zx + b * zy * zy + c) * iz_;
     // rows of C* L1^-1, then of L2^-1 C* L1^-1
@@ -153,7 +154,9 @@ class TaskFactor {
     Vec3<S> X = rows.x, Y = rows.y, Z = rows.z;
     lower_.forward(X, Y, Z);
     const S yx2 = -lower_.yx, zy2 = -lower_.zy, zx2 = lower_.yx * lower_.zy - lower_.zx;  // of L2^-1
-    const auto squares = [&](const Vec3<S>& v) { return a * v.x * v.x + b * v.y * v.y + c * v.z * v.z; };
+    const auto squares = [&w](const Vec3<S>& v) {
+      return w.x * v.x * v.x + w.y * v.y * v.y + w.z * v.z * v.z;
+    };
     return in_upper + (squares(X) + d) * lower_.ix + (squares(Y) + d * yx2 * yx2 + e) * lower_.iy +
            (squares(Z) + d * zx2 * zx2 + e * zy2 * zy2 + f) / lower_.dz;
   }
