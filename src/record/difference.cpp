@@ -175,7 +175,7 @@ Comparison compare(const std::filesystem::path& path_a, const std::filesystem::p
     auto names = a.attributes;
     names.insert(b.attributes.begin(), b.attributes.end());
     for (const auto& [name, ignored] : names) {
-      const auto in = [&name](const WholeFile& file) {
+      const auto in = [&name = name](const WholeFile& file) {
         return file.attributes.contains(name) ? file.attributes.at(name) : std::string("none");
       };
       if (in(a) != in(b)) out.remarks.push_back("attribute " + name + ": " + in(a) + " against " + in(b));
