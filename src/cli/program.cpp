@@ -255,7 +255,9 @@ int osculate::program(int argc, char** argv) {
     return static_cast<int>(Exit::bad_input);
   }
 
-  catch_signals();
+  // The others do not look at signals: they simply end.
+  if (*run_command || *verify_command || *sweep_command || *replay_command || *resume_command)
+    catch_signals();
   Exit worst = Exit::ok;
   if (*run_command || *verify_command) {
     for (const auto& file : arguments.experiments) {
