@@ -4,21 +4,21 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <csignal>
-#include <cstdio>
+#include <functional>
 #include <iostream>
-#include <set>
+#include <memory>
 
 #include "cli/contained.hpp"
+#include "cli/experiments.hpp"
+#include "cli/guarded.hpp"
 #include "cli/info.hpp"
 #include "cli/paper.hpp"
 #include "cli/replay.hpp"
 #include "cli/terms.hpp"
-#include "experiment/arms.hpp"
 #include "experiment/provenance.hpp"
-#include "experiment/run.hpp"
 #include "experiment/schema.hpp"
-#include "experiment/sweep.hpp"
 #include "record/export.hpp"
 #include "record/result_file.hpp"
 
@@ -36,106 +36,240 @@ void catch_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-/// The gravest of several exit codes: interruption, then 4 > 3 > 2 > 1 > 0.
-Exit graver(Exit a, Exit b) { return static_cast<int>(a) > static_cast<int>(b) ? a : b; }
+// One entry for each command: what the parser asks for, and what is done.
 
-void show_labelled_progress(const std::string& label, double t, double duration, double wall) {
-  const double speed = wall > 0 ? t / wall : 0;
-  const double left = speed > 0 ? (duration - t) / speed : 0;
-  std::fprintf(stderr, "\r%s%.2f of %.2f s, %.1f times real time, %.0f s left \033[K", label.c_str(), t,
-               duration, speed, left);
-}
-
-void show_progress(double t, double duration, double wall) { show_labelled_progress("", t, duration, wall); }
-
-void end_progress(bool shown) {
-  if (shown) std::fprintf(stderr, "\r\033[K");
-}
-
-/// Runs `work`, turning every known failure into its message and exit code.
-template <class Work>
-Exit guarded(const Work& work) {
-  const auto complain = [](const std::exception& error, Exit code) {
-    std::cerr << "osculate: " << error.what() << "\n";
-    return code;
-  };
-  try {
-    return work();
-  } catch (const FileError& error) {
-    return complain(error, Exit::io_failure);
-  } catch (const ConfigError& error) {
-    return complain(error, Exit::bad_input);
-  } catch (const ModelError& error) {
-    return complain(error, Exit::bad_input);
-  } catch (const ReferenceError& error) {
-    return complain(error, Exit::bad_input);
-  } catch (const IntegrationStopped& error) {
-    return complain(error, Exit::stopped);
-  } catch (const std::exception& error) { return complain(error, Exit::stopped); }
-}
-
-struct RunArguments {
-  std::vector<std::string> experiments;
-  std::string output;
-  std::vector<std::string> sets;
-  bool force = false, quiet = false;
+struct Subcommand {
+  CLI::App* parser;
+  std::function<Exit()> act;
+  bool ends_by_itself = false;  // at a signal it finishes its file; the others simply end
 };
 
-Exit run_one(const std::string& file, const RunArguments& arguments, bool record,
-             const std::string& command) {
-  return guarded([&] {
-    const Experiment experiment = read_experiment(file, arguments.sets);
-    RunOptions options;
-    if (record)
-      options.output = arguments.output.empty() ? std::filesystem::path(experiment.name + ".h5")
-                                                : std::filesystem::path(arguments.output);
-    options.force = arguments.force;
-    options.command = command;
-    options.signal = &caught_signal;
-    const bool progress = !arguments.quiet && isatty(STDERR_FILENO);
-    if (progress) options.progress = show_progress;
-    const RunResult result = run(experiment, options);
-    end_progress(progress);
-    for (const auto& warning : result.warnings) std::cerr << "warning: " << warning << "\n";
-    std::cout << report(experiment, result);
-    if (record) std::cout << "recorded in " << options.output->string() << "\n";
-    if (result.exit != Exit::ok && !result.message.empty())
-      std::cerr << "osculate: " << result.message << "\n";
-    return result.exit;
+/// What every entry is made with.
+struct Entry {
+  CLI::App& app;
+  std::string line;  // the command line, for the provenance
+  std::vector<Subcommand> commands = {};
+
+  CLI::App* parser(const char* name, const char* about) { return app.add_subcommand(name, about); }
+  void add(CLI::App* parser, std::function<Exit()> act, bool ends_by_itself = false) {
+    commands.push_back({parser, std::move(act), ends_by_itself});
+  }
+};
+
+void add_force(CLI::App* sub, bool& force) { sub->add_flag("--force", force, "overwrite an existing file"); }
+
+/// MODEL.urdf, --base, --tip, --gravity, --side-branches.
+struct ModelArguments {
+  std::string model;
+  ChainChoice choice;
+
+  void add_to(CLI::App* sub, bool tip_required) {
+    sub->add_option("model", model, "MODEL.urdf")->required();
+    sub->add_option("--base", choice.base, "base link; default: the root of the file");
+    sub->add_option("--tip", choice.tip, "tip link")->required(tip_required);
+    sub->add_option("--side-branches", side_branches_, "lump or drop")
+        ->check(CLI::IsMember({"lump", "drop"}));
+  }
+  void add_gravity_to(CLI::App* sub) {
+    sub->add_option("--gravity", gravity_, "free-fall acceleration X,Y,Z, base frame, m/s^2");
+  }
+  /// What was asked for. Throws ConfigError.
+  ChainChoice chosen() const {
+    ChainChoice out = choice;
+    out.side_branches = side_branches_ == "drop" ? SideBranches::drop : SideBranches::lump;
+    if (!gravity_.empty()) out.gravity = parse_vector3(gravity_, "--gravity");
+    return out;
+  }
+
+ private:
+  std::string gravity_, side_branches_ = "lump";
+};
+
+/// --set, --quiet, and with an `output` what that is by default, -o and --force.
+std::shared_ptr<RunArguments> run_arguments(const Entry& entry, CLI::App* sub, bool one,
+                                            const char* output = nullptr) {
+  auto arguments = std::make_shared<RunArguments>();
+  arguments->line = entry.line;
+  arguments->signal = &caught_signal;
+  CLI::Option* files =
+      sub->add_option("experiment", arguments->experiments, one ? "EXPERIMENT.yaml" : "EXPERIMENT.yaml ...")
+          ->required();
+  if (one) files->expected(1);
+  if (output) {
+    sub->add_option("-o,--output", arguments->output, output);
+    add_force(sub, arguments->force);
+  }
+  sub->add_option("--set", arguments->sets, "override a key: key.path=value")->allow_extra_args(false);
+  sub->add_flag("--quiet", arguments->quiet, "no progress line");
+  return arguments;
+}
+
+/// Each experiment by itself; the gravest exit code of all.
+template <class One>
+Exit each(const std::vector<std::string>& files, bool heading, const One& one) {
+  Exit worst = Exit::ok;
+  for (const auto& file : files) {
+    if (heading && files.size() > 1) std::cout << file << "\n";
+    worst = graver(worst, one(file));
+    if (caught_signal != 0) break;
+  }
+  return worst;
+}
+
+void add_run(Entry& entry) {
+  CLI::App* sub = entry.parser("run", "run an experiment and record it");
+  const auto arguments =
+      run_arguments(entry, sub, true, "result file; default: the experiment's name with .h5");
+  entry.add(
+      sub, [=] { return run_one(arguments->experiments.front(), *arguments, true); }, true);
+}
+
+void add_verify(Entry& entry) {
+  CLI::App* sub = entry.parser("verify", "run experiments, record nothing but the verdict");
+  const auto arguments = run_arguments(entry, sub, false);
+  entry.add(
+      sub,
+      [=] {
+        return each(arguments->experiments, true,
+                    [&](const std::string& file) { return run_one(file, *arguments, false); });
+      },
+      true);
+}
+
+void add_sweep(Entry& entry) {
+  CLI::App* sub = entry.parser("sweep", "run each variant of an experiment, compare them");
+  const auto arguments = run_arguments(entry, sub, true, "result file; default: none");
+  entry.add(
+      sub, [=] { return sweep_one(arguments->experiments.front(), *arguments); }, true);
+}
+
+void add_check(Entry& entry) {
+  CLI::App* sub = entry.parser("check", "read and validate everything, run nothing");
+  const auto arguments = run_arguments(entry, sub, false);
+  entry.add(sub, [=] {
+    return each(arguments->experiments, false,
+                [&](const std::string& file) { return check_one(file, *arguments); });
   });
 }
 
-Exit sweep_one(const std::string& file, const RunArguments& arguments, const std::string& command) {
-  return guarded([&] {
-    SweepOptions options;
-    if (!arguments.output.empty()) options.output = arguments.output;
-    options.force = arguments.force;
-    options.command = command;
-    options.signal = &caught_signal;
-    const bool progress = !arguments.quiet && isatty(STDERR_FILENO);
-    if (progress)
-      options.progress = [](const std::string& label, double t, double duration, double wall) {
-        show_labelled_progress(label + ": ", t, duration, wall);
-      };
-    const SweepResult result = sweep(file, arguments.sets, options);
-    end_progress(progress);
-    std::set<std::string> warned;  // variants mostly share their warnings
-    for (const auto& run : result.runs)
-      for (const auto& warning : run.warnings)
-        if (warned.insert(warning).second) std::cerr << "warning: " << warning << "\n";
-    std::cout << report(result);
-    if (options.output) std::cout << "recorded in " << options.output->string() << "\n";
-    if (result.exit == Exit::interrupted || result.exit == Exit::terminated)
-      std::cerr << "osculate: interrupted: the table has the variants before that\n";
-    return result.exit;
+void add_terms(Entry& entry) {
+  CLI::App* sub = entry.parser("terms", "operational-space terms at given states, both ways");
+  const auto arm = std::make_shared<ModelArguments>();
+  const auto options = std::make_shared<TermsOptions>();
+  const auto states = std::make_shared<std::string>();
+  arm->add_to(sub, true);
+  auto* q = sub->add_option("--q", options->q, "joint positions, base to tip, comma separated");
+  sub->add_option("--qd", options->qd, "joint velocities; default 0");
+  sub->add_option("--u", options->u, "commanded tip acceleration on the task rows; default 0");
+  auto* file = sub->add_option("--states", *states, "CSV of states: q, or q,qd, or q,qd,u in each line");
+  sub->add_option("--rows", options->rows, "task rows, for instance vx,vy,vz; default all six");
+  arm->add_gravity_to(sub);
+  sub->add_flag("--json", options->json, "one JSON object (an array with --states)");
+  q->excludes(file);
+  entry.add(sub, [=] {
+    options->model = arm->model;
+    options->choice = arm->chosen();
+    if (options->q.empty() && states->empty()) throw ConfigError("terms: give --q or --states");
+    if (!states->empty()) options->states = *states;
+    return terms(*options, std::cout, std::cerr);
   });
 }
 
-Exit check_one(const std::string& file, const std::vector<std::string>& sets) {
-  return guarded([&] {
-    const Experiment experiment = read_experiment(file, sets);
-    check(experiment);
-    std::cout << file << ": fine\n";
+void add_info(Entry& entry) {
+  CLI::App* sub = entry.parser("info", "links, joints, masses, what was lumped, warnings");
+  const auto arm = std::make_shared<ModelArguments>();
+  arm->add_to(sub, false);
+  entry.add(sub, [=] { return print_info(arm->model, arm->chosen(), std::cout); });
+}
+
+void add_paper(Entry& entry) {
+  CLI::App* sub = entry.parser("paper", "every equation of the paper, on an arm and over exact fractions");
+  const auto arm = std::make_shared<ModelArguments>();
+  const auto options = std::make_shared<PaperOptions>();
+  arm->add_to(sub, false);
+  sub->add_option("--states", options->states, "random states; default 100")->check(CLI::Range(1, 1000000));
+  sub->add_flag("--exact", options->exact, "prove them over exact fractions too");
+  sub->add_option("--arms", options->arms, "--exact: arms of each size; default 20")
+      ->check(CLI::Range(1, 10000));
+  entry.add(sub, [=] {
+    options->model = arm->model;
+    options->choice = arm->chosen();
+    return print_paper(*options, std::cout, std::cerr);
+  });
+}
+
+/// replay and resume.
+void add_again(Entry& entry, const char* name, const char* about, const char* output,
+               Exit (*act)(const AgainOptions&, std::ostream&, std::ostream&)) {
+  CLI::App* sub = entry.parser(name, about);
+  const auto options = std::make_shared<AgainOptions>();
+  const auto quiet = std::make_shared<bool>(false);
+  sub->add_option("file", options->file, "FILE.h5")->required();
+  sub->add_option("-o,--output", options->output, output);
+  add_force(sub, options->force);
+  sub->add_flag("--quiet", *quiet, "no progress line");
+  options->command = entry.line;
+  options->signal = &caught_signal;
+  entry.add(
+      sub,
+      [=] {
+        if (!*quiet && isatty(STDERR_FILENO)) options->progress = show_progress;
+        return act(*options, std::cout, std::cerr);
+      },
+      true);
+}
+
+void add_diff(Entry& entry) {
+  CLI::App* sub = entry.parser("diff", "compare two result files bit for bit");
+  const auto files = std::make_shared<std::array<std::string, 2>>();
+  sub->add_option("a", (*files)[0], "A.h5")->required();
+  sub->add_option("b", (*files)[1], "B.h5")->required();
+  entry.add(sub, [=] { return diff((*files)[0], (*files)[1], std::cout); });
+}
+
+/// A file that becomes another one.
+struct Conversion {
+  std::string from, to;
+  bool force = false;
+};
+
+void add_export(Entry& entry) {
+  CLI::App* sub = entry.parser("export", "write a result file as tables of text");
+  const auto files = std::make_shared<Conversion>();
+  sub->add_option("file", files->from, "FILE.h5")->required();
+  sub->add_option("--csv", files->to, "directory for comma-separated values")->required();
+  sub->add_flag("--force", files->force, "write into a directory that has files");
+  entry.add(sub, [=] {
+    const auto made = export_csv(files->from, files->to, files->force);
+    std::cout << "exported into " << files->to << ": " << made.size() << " files, described in columns.csv\n";
+    return Exit::ok;
+  });
+}
+
+void add_recover(Entry& entry) {
+  CLI::App* sub = entry.parser("recover", "make a complete file of what a killed run left");
+  const auto files = std::make_shared<Conversion>();
+  sub->add_option("file", files->from, "FILE.h5")->required();
+  sub->add_option("-o,--output", files->to, "result; default: FILE.recovered.h5");
+  add_force(sub, files->force);
+  entry.add(sub, [=] {
+    return contained(files->from, [&] {
+      return guarded([&] {
+        const auto made = recover(files->from, files->to, files->force, still_alive);
+        std::cout << "recovered into " << made.string() << "\n";
+        return Exit::ok;
+      });
+    });
+  });
+}
+
+void add_schema(Entry& entry) {
+  CLI::App* sub =
+      entry.parser("schema", "the JSON Schema of experiment files, for editors that complete and check them");
+  const auto markdown = std::make_shared<bool>(false);
+  sub->add_flag("--markdown", *markdown, "the tables of docs/experiment-file.md instead");
+  entry.add(sub, [=] {
+    std::cout << (*markdown ? key_tables() : experiment_schema());
     return Exit::ok;
   });
 }
@@ -143,108 +277,27 @@ Exit check_one(const std::string& file, const std::vector<std::string>& sets) {
 }  // namespace
 
 int osculate::program(int argc, char** argv) {
-  std::string command;
-  for (int i = 0; i < argc; ++i) command += (i ? " " : "") + std::string(argv[i]);
-
   CLI::App app{"Operational space control of serial arms: simulate it, and verify every step."};
   app.require_subcommand(1);
   app.set_version_flag("--version", version_text());
 
-  RunArguments arguments;
-  const auto common = [&arguments](CLI::App* sub) {
-    sub->add_option("--set", arguments.sets, "override a key: key.path=value")->allow_extra_args(false);
-    sub->add_flag("--quiet", arguments.quiet, "no progress line");
-  };
-  CLI::App* run_command = app.add_subcommand("run", "run an experiment and record it");
-  run_command->add_option("experiment", arguments.experiments, "EXPERIMENT.yaml")->required()->expected(1);
-  run_command->add_option("-o,--output", arguments.output,
-                          "result file; default: the experiment's name with .h5");
-  run_command->add_flag("--force", arguments.force, "overwrite an existing result file");
-  common(run_command);
-  CLI::App* verify_command = app.add_subcommand("verify", "run experiments, record nothing but the verdict");
-  verify_command->add_option("experiments", arguments.experiments, "EXPERIMENT.yaml ...")->required();
-  common(verify_command);
-  CLI::App* sweep_command = app.add_subcommand("sweep", "run each variant of an experiment, compare them");
-  sweep_command->add_option("experiment", arguments.experiments, "EXPERIMENT.yaml with a section sweep")
-      ->required()
-      ->expected(1);
-  sweep_command->add_option("-o,--output", arguments.output, "result file; default: none");
-  sweep_command->add_flag("--force", arguments.force, "overwrite an existing result file");
-  common(sweep_command);
-  CLI::App* check_command = app.add_subcommand("check", "read and validate everything, run nothing");
-  check_command->add_option("experiments", arguments.experiments, "EXPERIMENT.yaml ...")->required();
-  common(check_command);
-
-  TermsOptions term;
-  std::string model, states, gravity, side_branches = "lump";
-  const auto chain_options = [&](CLI::App* sub, bool tip_required) {
-    sub->add_option("model", model, "MODEL.urdf")->required();
-    sub->add_option("--base", term.choice.base, "base link; default: the root of the file");
-    auto* tip = sub->add_option("--tip", term.choice.tip, "tip link");
-    if (tip_required) tip->required();
-    sub->add_option("--side-branches", side_branches, "lump or drop")->check(CLI::IsMember({"lump", "drop"}));
-  };
-  CLI::App* terms_command = app.add_subcommand("terms", "operational-space terms at given states, both ways");
-  chain_options(terms_command, true);
-  auto* q_option = terms_command->add_option("--q", term.q, "joint positions, base to tip, comma separated");
-  terms_command->add_option("--qd", term.qd, "joint velocities; default 0");
-  terms_command->add_option("--u", term.u, "commanded tip acceleration on the task rows; default 0");
-  auto* states_option =
-      terms_command->add_option("--states", states, "CSV of states: q, or q,qd, or q,qd,u in each line");
-  terms_command->add_option("--rows", term.rows, "task rows, for instance vx,vy,vz; default all six");
-  terms_command->add_option("--gravity", gravity, "free-fall acceleration X,Y,Z, base frame, m/s^2");
-  terms_command->add_flag("--json", term.json, "one JSON object (an array with --states)");
-  q_option->excludes(states_option);
-
-  CLI::App* info_command = app.add_subcommand("info", "links, joints, masses, what was lumped, warnings");
-  chain_options(info_command, false);
-
-  PaperOptions paper_options;
-  CLI::App* paper_command =
-      app.add_subcommand("paper", "every equation of the paper, on an arm and over exact fractions");
-  chain_options(paper_command, false);
-  paper_command->add_option("--states", paper_options.states, "random states; default 100")
-      ->check(CLI::Range(1, 1000000));
-  paper_command->add_flag("--exact", paper_options.exact, "prove them over exact fractions too");
-  paper_command->add_option("--arms", paper_options.arms, "--exact: arms of each size; default 20")
-      ->check(CLI::Range(1, 10000));
-
-  bool markdown = false;
-  CLI::App* schema_command = app.add_subcommand(
-      "schema", "the JSON Schema of experiment files, for editors that complete and check them");
-  schema_command->add_flag("--markdown", markdown, "the tables of docs/experiment-file.md instead");
-
-  std::string damaged, repaired;
-  bool force_recover = false;
-  CLI::App* recover_command = app.add_subcommand("recover", "make a complete file of what a killed run left");
-  recover_command->add_option("file", damaged, "FILE.h5")->required();
-  recover_command->add_option("-o,--output", repaired, "result; default: FILE.recovered.h5");
-  recover_command->add_flag("--force", force_recover, "overwrite an existing file");
-
-  AgainOptions again;
-  const auto again_command = [&](const char* name, const char* about, const char* output) {
-    CLI::App* sub = app.add_subcommand(name, about);
-    sub->add_option("file", again.file, "FILE.h5")->required();
-    sub->add_option("-o,--output", again.output, output);
-    sub->add_flag("--force", again.force, "overwrite an existing file");
-    sub->add_flag("--quiet", arguments.quiet, "no progress line");
-    return sub;
-  };
-  CLI::App* replay_command = again_command(
-      "replay", "run again from a result file alone, compare bit for bit", "keep the new result");
-  CLI::App* resume_command = again_command("resume", "go on with a stopped run from its last restart point",
-                                           "result; default: FILE.resumed.h5");
-  std::string file_a, file_b;
-  CLI::App* diff_command = app.add_subcommand("diff", "compare two result files bit for bit");
-  diff_command->add_option("a", file_a, "A.h5")->required();
-  diff_command->add_option("b", file_b, "B.h5")->required();
-
-  std::string exported, csv;
-  bool force_export = false;
-  CLI::App* export_command = app.add_subcommand("export", "write a result file as tables of text");
-  export_command->add_option("file", exported, "FILE.h5")->required();
-  export_command->add_option("--csv", csv, "directory for comma-separated values")->required();
-  export_command->add_flag("--force", force_export, "write into a directory that has files");
+  Entry entry{app, ""};
+  for (int i = 0; i < argc; ++i) entry.line += (i ? " " : "") + std::string(argv[i]);
+  add_run(entry);
+  add_verify(entry);
+  add_sweep(entry);
+  add_check(entry);
+  add_terms(entry);
+  add_info(entry);
+  add_paper(entry);
+  add_schema(entry);
+  add_recover(entry);
+  add_again(entry, "replay", "run again from a result file alone, compare bit for bit", "keep the new result",
+            replay);
+  add_again(entry, "resume", "go on with a stopped run from its last restart point",
+            "result; default: FILE.resumed.h5", resume);
+  add_diff(entry);
+  add_export(entry);
 
   try {
     app.parse(argc, argv);
@@ -255,61 +308,12 @@ int osculate::program(int argc, char** argv) {
     return static_cast<int>(Exit::bad_input);
   }
 
-  // The others do not look at signals: they simply end.
-  if (*run_command || *verify_command || *sweep_command || *replay_command || *resume_command)
-    catch_signals();
-  Exit worst = Exit::ok;
-  if (*run_command || *verify_command) {
-    for (const auto& file : arguments.experiments) {
-      if (arguments.experiments.size() > 1) std::cout << file << "\n";
-      worst = graver(worst, run_one(file, arguments, static_cast<bool>(*run_command), command));
-      if (caught_signal != 0) break;
-    }
-  } else if (*sweep_command) {
-    worst = sweep_one(arguments.experiments.front(), arguments, command);
-  } else if (*check_command) {
-    for (const auto& file : arguments.experiments) worst = graver(worst, check_one(file, arguments.sets));
-  } else if (*terms_command || *info_command || *paper_command) {
-    worst = guarded([&] {
-      term.model = model;
-      term.choice.side_branches = side_branches == "drop" ? SideBranches::drop : SideBranches::lump;
-      if (!gravity.empty()) term.choice.gravity = parse_vector3(gravity, "--gravity");
-      if (*info_command) return print_info(term.model, term.choice, std::cout);
-      if (*paper_command) {
-        paper_options.model = term.model;
-        paper_options.choice = term.choice;
-        return print_paper(paper_options, std::cout, std::cerr);
-      }
-      if (term.q.empty() && states.empty()) throw ConfigError("terms: give --q or --states");
-      if (!states.empty()) term.states = states;
-      return terms(term, std::cout, std::cerr);
-    });
-  } else if (*replay_command || *resume_command) {
-    again.command = command;
-    again.signal = &caught_signal;
-    if (!arguments.quiet && isatty(STDERR_FILENO)) again.progress = show_progress;
-    worst = guarded([&] {
-      return *replay_command ? replay(again, std::cout, std::cerr) : resume(again, std::cout, std::cerr);
-    });
-  } else if (*diff_command) {
-    worst = guarded([&] { return diff(file_a, file_b, std::cout); });
-  } else if (*export_command) {
-    worst = guarded([&] {
-      const auto files = export_csv(exported, csv, force_export);
-      std::cout << "exported into " << csv << ": " << files.size() << " files, described in columns.csv\n";
-      return Exit::ok;
-    });
-  } else if (*schema_command) {
-    std::cout << (markdown ? key_tables() : experiment_schema());
-  } else if (*recover_command) {
-    worst = contained(damaged, [&] {
-      return guarded([&] {
-        const auto made = recover(damaged, repaired, force_recover, still_alive);
-        std::cout << "recovered into " << made.string() << "\n";
-        return Exit::ok;
-      });
-    });
+  Exit code = Exit::ok;
+  for (const Subcommand& command : entry.commands) {
+    if (!*command.parser) continue;
+    if (command.ends_by_itself) catch_signals();
+    code = guarded(command.act);
   }
   std::cout.flush();
-  return static_cast<int>(std::cout ? worst : graver(worst, Exit::io_failure));
+  return static_cast<int>(std::cout ? code : graver(code, Exit::io_failure));
 }
