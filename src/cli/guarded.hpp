@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "experiment/run.hpp"
+#include "judge/log.hpp"
 
 namespace osculate {
 
@@ -26,6 +27,8 @@ Exit guarded(const Work& work) {
   } catch (const ModelError& error) {
     return complain(error, Exit::bad_input);
   } catch (const ReferenceError& error) {
+    return complain(error, Exit::bad_input);
+  } catch (const LogError& error) {
     return complain(error, Exit::bad_input);
   } catch (const IntegrationStopped& error) {
     return complain(error, Exit::stopped);

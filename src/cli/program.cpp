@@ -14,6 +14,7 @@
 #include "cli/experiments.hpp"
 #include "cli/guarded.hpp"
 #include "cli/info.hpp"
+#include "cli/judge.hpp"
 #include "cli/paper.hpp"
 #include "cli/replay.hpp"
 #include "cli/terms.hpp"
@@ -63,8 +64,9 @@ struct ModelArguments {
   std::string model;
   ChainChoice choice;
 
-  void add_to(CLI::App* sub, bool tip_required) {
-    sub->add_option("model", model, "MODEL.urdf")->required();
+  /// `name`: a position, or an option that may be left out.
+  void add_to(CLI::App* sub, bool tip_required, const std::string& name = "model") {
+    sub->add_option(name, model, "MODEL.urdf")->required(name == "model");
     sub->add_option("--base", choice.base, "base link; default: the root of the file");
     sub->add_option("--tip", choice.tip, "tip link")->required(tip_required);
     sub->add_option("--side-branches", side_branches_, "lump or drop")
@@ -198,6 +200,35 @@ void add_paper(Entry& entry) {
   });
 }
 
+void add_judge(Entry& entry) {
+  CLI::App* sub = entry.parser("judge", "which terms of the exact law a logged torque lacks");
+  const auto arm = std::make_shared<ModelArguments>();
+  const auto options = std::make_shared<JudgeArguments>();
+  sub->add_option("log", options->log, "LOG.csv, LOG.h5, or a result file of osculate run")->required();
+  arm->add_to(sub, false, "--model");
+  arm->add_gravity_to(sub);
+  sub->add_option("--armature", options->armature, "reflected motor inertia of each joint, base to tip");
+  sub->add_option("--viscous", options->viscous, "viscous friction of each joint that the law compensates");
+  sub->add_option("--rows", options->rows, "task rows, for instance vx,vy,vz; default all six");
+  const auto choice = [&](const char* name, std::string& into, std::vector<std::string> values,
+                          const char* about) {
+    sub->add_option(name, into, about)->check(CLI::IsMember(std::move(values)));
+  };
+  choice("--u-order", options->u_order, {"angular", "linear"}, "which rows of u come first");
+  choice("--quaternion", options->quaternion, {"wxyz", "xyzw"}, "order of the reference's quaternion");
+  choice("--acceleration", options->acceleration, {"classical", "spatial"}, "what u is; default classical");
+  sub->add_option("--stiffness", options->stiffness, "gains of pose tracking, 1/s^2: one number or six");
+  sub->add_option("--damping", options->damping, "gains of pose tracking, 1/s: one number or six");
+  sub->add_option("--samples", options->samples, "samples used for the fit; default 1000")
+      ->check(CLI::Range(50, 1000000));
+  sub->add_flag("--json", options->json, "one JSON object");
+  entry.add(sub, [=] {
+    options->model = arm->model;
+    options->choice = arm->chosen();
+    return print_judgement(*options, std::cout, std::cerr);
+  });
+}
+
 /// replay and resume.
 void add_again(Entry& entry, const char* name, const char* about, const char* output,
                Exit (*act)(const AgainOptions&, std::ostream&, std::ostream&)) {
@@ -290,6 +321,7 @@ int osculate::program(int argc, char** argv) {
   add_terms(entry);
   add_info(entry);
   add_paper(entry);
+  add_judge(entry);
   add_schema(entry);
   add_recover(entry);
   add_again(entry, "replay", "run again from a result file alone, compare bit for bit", "keep the new result",

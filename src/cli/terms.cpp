@@ -19,7 +19,9 @@ namespace {
 
 constexpr const char* row_names[] = {"wx", "wy", "wz", "vx", "vy", "vz"};
 
-std::vector<double> numbers(const std::string& text, const std::string& what) {
+}  // namespace
+
+std::vector<double> parse_list(const std::string& text, const std::string& what) {
   std::vector<double> out;
   std::size_t from = 0;
   while (from <= text.size()) {
@@ -39,9 +41,9 @@ std::vector<double> numbers(const std::string& text, const std::string& what) {
   return out;
 }
 
-TaskRows parse_rows(const std::string& text) {
-  if (text.empty()) return all_rows();
-  TaskRows rows;
+std::vector<int> parse_rows(const std::string& text) {
+  if (text.empty()) return dense::all_rows();
+  std::vector<int> rows;
   std::istringstream items(text);
   for (std::string item; std::getline(items, item, ',');) {
     int row = 0;
@@ -53,6 +55,8 @@ TaskRows parse_rows(const std::string& text) {
   }
   return rows;
 }
+
+namespace {
 
 struct State {
   std::vector<double> q, qd;
@@ -95,7 +99,7 @@ std::vector<State> read_states(const std::filesystem::path& file, const TaskRows
     const bool heading = states.empty() && !line.empty() && std::isalpha(static_cast<unsigned char>(line[0]));
     if (line.empty() || line[0] == '#' || heading) continue;
     const std::string where = file.string() + ":" + std::to_string(number) + ": ";
-    const std::vector<double> all = numbers(line, where + "state");
+    const std::vector<double> all = parse_list(line, where + "state");
     const std::size_t m = rows.size();
     if (all.size() != np && all.size() != np + nv && all.size() != np + nv + m)
       throw ConfigError(where + "a state has " + std::to_string(np) + " numbers (q), " +
@@ -288,7 +292,7 @@ void write_text(std::ostream& out, const ArmDescription& arm, const Evaluation& 
 }  // namespace
 
 Vector3<double> parse_vector3(const std::string& text, const std::string& what) {
-  const std::vector<double> values = numbers(text, what);
+  const std::vector<double> values = parse_list(text, what);
   if (values.size() != 3)
     throw ConfigError(what + " has " + std::to_string(values.size()) + " entries, needs 3: X,Y,Z");
   return {values[0], values[1], values[2]};
@@ -303,7 +307,7 @@ Exit terms(const TermsOptions& options, std::ostream& out, std::ostream& message
     states = read_states(*options.states, rows, arm);
   } else {
     const auto list = [](const std::string& text, const char* name) {
-      return text.empty() ? std::vector<double>() : numbers(text, name);
+      return text.empty() ? std::vector<double>() : parse_list(text, name);
     };
     states.push_back(make_state(list(options.q, "--q"), list(options.qd, "--qd"), list(options.u, "--u"),
                                 rows, arm, "--"));

@@ -11,8 +11,9 @@ namespace osculate::limits {
 inline constexpr std::uintmax_t experiment_bytes = std::uintmax_t{4} << 20;
 inline constexpr std::uintmax_t urdf_bytes = std::uintmax_t{64} << 20;  // real files stay below 1 MB
 inline constexpr std::uintmax_t waypoint_bytes = std::uintmax_t{64}
-                                                 << 20;  // a CSV file, states of `terms` too
-inline constexpr int urdf_nesting = 1000;                // levels of XML; real files have six
+                                                 << 20;               // a CSV file, states of `terms` too
+inline constexpr std::uintmax_t log_bytes = std::uintmax_t{1} << 30;  // of a log to be judged
+inline constexpr int urdf_nesting = 1000;                             // levels of XML; real files have six
 
 // Experiments.
 inline constexpr int yaml_depth = 40;             // maps and lists in each other

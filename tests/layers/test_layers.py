@@ -20,8 +20,9 @@ SEES = {
     "verification": {"scalar", "spatial", "model", "recursion", "reference", "control", "simulation"},
     "paper": {"scalar", "spatial", "model", "recursion", "reference"},
     "record": {"input"},
+    "judge": {"input", "model", "reference", "control", "record"},
     "experiment": {"input", "scalar", "model", "reference", "recursion", "control", "simulation", "verification", "record", "spatial"},
-    "cli": {"input", "scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment", "paper"},
+    "cli": {"input", "scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment", "paper", "judge"},
 }
 # Sight that a layer has for these files alone: a law must not lean on the oracle that checks it.
 ONLY_FOR = {

@@ -1,0 +1,269 @@
+#include "judge/examination.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace osculate {
+
+namespace {
+
+using Vector = VectorX<double>;
+using Matrix = MatrixX<double>;
+using Eigen::Index;
+
+Eigen::Vector4d w_first(const Eigen::Vector4d& x, QuaternionOrder order) {
+  return order == QuaternionOrder::w_first ? x : Eigen::Vector4d(x[3], x[0], x[1], x[2]);
+}
+
+/// Rows of u as the log has them: all six, or the controlled ones; in task rows.
+std::vector<int> logged_rows(const JudgeOptions& options, Index columns, RowOrder order) {
+  std::vector<int> rows{0, 1, 2, 3, 4, 5};
+  if (columns != 6) rows = options.rows;
+  if (order == RowOrder::linear_first)
+    std::stable_sort(rows.begin(), rows.end(), [](int a, int b) { return (a >= 3) > (b >= 3); });
+  return rows;
+}
+
+/// tau at t_k + delay, by the cubic through four neighbours. False outside the log.
+bool torque_at(const Log& log, Index k, double delay, Vector& out) {
+  if (delay == 0) {
+    out = log.tau.row(k);
+    return true;
+  }
+  const double t = log.t[static_cast<std::size_t>(k)] + delay;
+  const auto after = std::upper_bound(log.t.begin(), log.t.end(), t);
+  const Index i = after - log.t.begin() - 2;
+  if (i < 0 || i + 4 > log.samples()) return false;
+  out.setZero(log.tau.cols());
+  for (Index a = i; a < i + 4; ++a) {
+    double weight = 1;
+    for (Index b = i; b < i + 4; ++b)
+      if (b != a)
+        weight *= (t - log.t[static_cast<std::size_t>(b)]) /
+                  (log.t[static_cast<std::size_t>(a)] - log.t[static_cast<std::size_t>(b)]);
+    out += weight * log.tau.row(a).transpose();
+  }
+  return true;
+}
+
+/// Slope at row k of a series of rows, by a straight line through the rows up to `half` away.
+Vector slope_at(const Log& log, const Matrix& series, Index k, Index half) {
+  const Index from = std::max<Index>(0, k - half), to = std::min(log.samples() - 1, k + half);
+  double mean = 0, square = 0;
+  for (Index i = from; i <= to; ++i) mean += log.t[static_cast<std::size_t>(i)];
+  mean /= static_cast<double>(to - from + 1);
+  Vector sum = Vector::Zero(series.cols());
+  for (Index i = from; i <= to; ++i) {
+    const double dt = log.t[static_cast<std::size_t>(i)] - mean;
+    sum += dt * series.row(i).transpose();
+    square += dt * dt;
+  }
+  return sum / square;
+}
+
+/// Rows where a torque stands at its largest value, as a saturated one does.
+std::vector<bool> saturated_rows(const Log& log) {
+  std::vector<bool> out(log.t.size(), false);
+  for (Index j = 0; j < log.tau.cols(); ++j) {
+    const double most = log.tau.col(j).cwiseAbs().maxCoeff();
+    std::vector<std::size_t> there;
+    for (Index k = 0; k < log.samples(); ++k)
+      if (most > 0 && std::abs(log.tau(k, j)) == most) there.push_back(static_cast<std::size_t>(k));
+    if (there.size() < 3) continue;
+    for (const std::size_t k : there) out[k] = true;
+  }
+  return out;
+}
+
+/// Standard deviation of white noise on a smooth series, from fourth differences; robust against jumps.
+double noise_of(const Vector& series) {
+  std::vector<double> size;
+  for (Index k = 2; k + 2 < series.size(); ++k)
+    size.push_back(
+        std::abs(series[k - 2] - 4 * series[k - 1] + 6 * series[k] - 4 * series[k + 1] + series[k + 2]));
+  if (size.empty()) return 0;
+  const auto middle = size.begin() + static_cast<std::ptrdiff_t>(size.size() / 2);
+  std::nth_element(size.begin(), middle, size.end());
+  return 1.4826 * *middle / std::sqrt(70.0);  // median to deviation of a normal law; 1 + 16 + 36 + 16 + 1
+}
+
+Vector finite(const Vector& x) {
+  std::vector<double> out;
+  for (const double v : x)
+    if (std::isfinite(v)) out.push_back(v);
+  return Eigen::Map<Vector>(out.data(), static_cast<Index>(out.size()));
+}
+
+double rms(const Vector& x) {
+  const Vector known = finite(x);
+  return known.size() > 0 ? known.norm() / std::sqrt(static_cast<double>(known.size())) : 0;
+}
+
+constexpr int rounds = 8;            // of Gauss and Newton
+constexpr double doubt_margin = 12;  // of twice the log-likelihood: odds of 400 to 1
+constexpr Index fewest_samples = 20;
+
+}  // namespace
+
+Sample Samples::at(Index k) const {
+  Sample out;
+  const Vector q = log_.q.row(k);
+  out.q.assign(q.begin(), q.end());
+  out.qd = log_.qd.row(k);
+  if (log_.u) {
+    const auto rows = logged_rows(options_, log_.u->cols(), reading_.u_order);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double value = (*log_.u)(k, static_cast<Index>(i));
+      if (std::find(options_.rows.begin(), options_.rows.end(), rows[i]) != options_.rows.end())
+        out.u[rows[i]] = value;
+    }
+  } else {
+    const LoggedReference& r = *log_.reference;
+    out.quaternion = w_first(r.quaternion.row(k), reading_.quaternion_order);
+    out.reference.pose.p = r.position.row(k);
+    out.reference.pose.R =
+        Eigen::Quaterniond(out.quaternion[0], out.quaternion[1], out.quaternion[2], out.quaternion[3])
+            .normalized()
+            .toRotationMatrix();
+    out.reference.velocity = r.velocity.row(k);
+    out.reference.acceleration = r.acceleration.row(k);
+  }
+  return out;
+}
+
+Examination::Examination(const Chain<double>& model, const Log& log, const JudgeOptions& options,
+                         const Reading& reading, bool order_known)
+    : log_(log),
+      options_(options),
+      samples_(log, options, reading),
+      candidates_(model, options, !log.u, order_known),
+      n_(model.velocities()) {
+  belief_.armature.setZero(n_);
+  for (const Candidate& c : candidates_.list()) groups_.push_back({c.first, c.columns});
+  groups_.push_back({candidates_.columns(), 1});
+  const std::vector<bool> saturated = saturated_rows(log);
+  const Index every = std::max<Index>(1, log.samples() / options.samples);
+  for (Index k = every / 2; k < log.samples(); k += every)
+    if (saturated[static_cast<std::size_t>(k)])
+      ++saturated_;
+    else
+      chosen_.push_back(k);
+}
+
+void Examination::explain() {
+  for (int round = 0; round < rounds; ++round) {
+    difference_ = gather();
+    const Explanations all(difference_.regression, groups_);
+    set_price(all);
+    std::vector<int> always = moved_;
+    for (std::size_t g = 0; g < candidates_.list().size(); ++g)
+      if (candidates_.list()[g].kind == Kind::gains) always.push_back(static_cast<int>(g));
+    fits_ = all.search(always, price_, doubt_margin * noise_square_);
+    bool moved = false;
+    for (const int g : best().groups) moved = take(g) || moved;
+    if (!moved) break;
+  }
+}
+
+Difference Examination::gather() const {
+  const Index N = log_.samples();
+  // The exact torque along the whole log: for its slope and for the noise of the difference.
+  Matrix exact = Matrix::Constant(N, n_, std::nan(""));
+  Matrix d = exact;
+  Vector tau, row;
+  for (Index k = 0; k < N; ++k) {
+    if (!candidates_.exact(belief_, samples_.at(k), row)) continue;
+    exact.row(k) = row;
+    if (torque_at(log_, k, delay_, tau)) d.row(k) = tau - row;
+  }
+  Difference out;
+  out.left_out = saturated_;
+  out.sigma.resize(n_);
+  for (Index j = 0; j < n_; ++j) {
+    const double floor = std::max(3e-7 * rms(d.col(j)), 1e-10 * rms(log_.tau.col(j)));
+    out.sigma[j] = std::max({noise_of(finite(d.col(j))), floor, 1e-300});
+  }
+  const auto rows = static_cast<Index>(chosen_.size()) * n_;
+  const int columns = candidates_.columns() + 1, null_columns = candidates_.null_columns();
+  Regression& r = out.regression;
+  r.X.resize(rows, columns), r.d.resize(rows);
+  out.null.X.resize(null_columns > 0 ? rows : 0, null_columns),
+      out.null.d.resize(null_columns > 0 ? rows : 0);
+  double squares = 0, noise = 0;
+  Index at = 0;
+  Candidates::Columns c;
+  const Index half = std::max<Index>(2, std::min<Index>(10, N / 20));
+  for (const Index k : chosen_) {
+    const bool usable =
+        d.row(k).allFinite() && exact
+                                    .middleRows(std::max<Index>(0, k - half),
+                                                std::min(N, k + half + 1) - std::max<Index>(0, k - half))
+                                    .allFinite();
+    if (!usable || !candidates_.evaluate(belief_, samples_.at(k), c)) {
+      ++out.left_out;
+      continue;
+    }
+    const Vector difference = d.row(k), felt = c.P * difference;
+    const Vector weight = out.sigma.cwiseInverse();
+    squares += felt.squaredNorm(), noise += out.sigma.squaredNorm();
+    r.d.segment(at, n_) = weight.cwiseProduct(felt);
+    r.X.middleRows(at, n_).leftCols(columns - 1) = weight.asDiagonal() * c.X;
+    r.X.col(columns - 1).segment(at, n_) = -weight.cwiseProduct(c.P * slope_at(log_, exact, k, half));
+    if (null_columns > 0) {
+      out.null.d.segment(at, n_) = weight.cwiseProduct(difference - felt);
+      out.null.X.middleRows(at, n_) = weight.asDiagonal() * c.null;
+    }
+    at += n_;
+    ++out.samples;
+  }
+  if (out.samples < fewest_samples)
+    throw LogError(log_.source + ": only " + std::to_string(out.samples) +
+                   " samples can be used: the others are singular on the task rows, saturated or not finite; "
+                   "log a longer motion away from singular poses");
+  r.X.conservativeResize(at, Eigen::NoChange), r.d.conservativeResize(at);
+  if (null_columns > 0) out.null.X.conservativeResize(at, Eigen::NoChange), out.null.d.conservativeResize(at);
+  out.size = std::sqrt(squares / static_cast<double>(at));
+  out.noise = std::sqrt(noise / static_cast<double>(at));
+  return out;
+}
+
+void Examination::set_price(const Explanations& all) {
+  const Fit full = all.full();
+  const Vector rest = all.rest(full);
+  const auto rows = static_cast<double>(rest.size());
+  const double left = rest.squaredNorm() / std::max(1.0, rows - static_cast<double>(full.beta.size()));
+  double along = 0;
+  for (Index i = 0; i + n_ < rest.size(); ++i) along += rest[i] * rest[i + n_];
+  const double rho = std::clamp(along / std::max(rest.squaredNorm(), 1e-300), 0.0, 0.98);
+  noise_square_ = std::max(1e-4, left) * (1 + rho) / (1 - rho);
+  price_ = (6 + 2 * std::log(rows)) * noise_square_;
+}
+
+double Examination::rest() const {
+  const VectorX<double> left = difference_.regression.d - difference_.regression.X * best().beta;
+  double squares = 0;
+  for (Index i = 0; i < left.size(); ++i) squares += std::pow(left[i] * difference_.sigma[i % n_], 2);
+  return std::sqrt(squares / static_cast<double>(left.size()));
+}
+
+bool Examination::take(int g) {
+  const ColumnGroup& group = groups_[static_cast<std::size_t>(g)];
+  const Vector step = best().beta.segment(group.first, group.columns);
+  const Vector deviation = best().deviation.segment(group.first, group.columns) * std::sqrt(noise_square_);
+  const std::string id = g == delay_group() ? "delay" : candidates_.list()[static_cast<std::size_t>(g)].id;
+  if (id == "delay") {
+    delay_ += step[0];
+  } else if (id == "armature") {
+    belief_.armature += step;
+  } else if (id == "payload") {
+    belief_.payload += step;
+  } else if (id == "tip_point") {
+    belief_.tip_offset += step;
+  } else {
+    return false;
+  }
+  if (std::find(moved_.begin(), moved_.end(), g) == moved_.end()) moved_.push_back(g);
+  return (step.cwiseAbs() - 0.01 * deviation).maxCoeff() > 0;
+}
+
+}  // namespace osculate
