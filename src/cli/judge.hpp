@@ -18,7 +18,7 @@ struct JudgeArguments {
   std::string u_order, quaternion;  // angular or linear, wxyz or xyzw; empty: as the log says
   std::string acceleration;         // classical or spatial; empty: classical
   std::string stiffness, damping;   // of the tracking law, one number or six; empty: found
-  int samples = 1000;               // used for the fit
+  int samples = 500;                // used for the fit
   bool json = false;
 };
 

@@ -219,7 +219,7 @@ void add_judge(Entry& entry) {
   choice("--acceleration", options->acceleration, {"classical", "spatial"}, "what u is; default classical");
   sub->add_option("--stiffness", options->stiffness, "gains of pose tracking, 1/s^2: one number or six");
   sub->add_option("--damping", options->damping, "gains of pose tracking, 1/s: one number or six");
-  sub->add_option("--samples", options->samples, "samples used for the fit; default 1000")
+  sub->add_option("--samples", options->samples, "samples used for the fit; default 500")
       ->check(CLI::Range(50, 1000000));
   sub->add_flag("--json", options->json, "one JSON object");
   entry.add(sub, [=] {

@@ -172,6 +172,7 @@ Candidates::Candidates(const Chain<double>& model, const JudgeOptions& options, 
     null_term("coriolis", "C");
     null_term("gravity", "G");
     null_term("pseudo_inverse", "M J^+ (u - Jdot qd), of the pseudo-inverse of J");
+    if (!options.friction.empty()) null_term("friction_model", "the friction of the model");
     null_term("damping", "joint damping");
     const int positions = model.one_axis_joints() ? n : 0;
     if (positions > 0) null_term("posture", "a posture", n + 1);
@@ -180,6 +181,16 @@ Candidates::Candidates(const Chain<double>& model, const JudgeOptions& options, 
       term("kinematic_posture", "projects a posture by 1 - J* (J*)^+, which the tip feels", Kind::mistake,
            n + 1);
   }
+}
+
+Vector Candidates::armature() const {
+  Vector out = Vector::Zero(model_.velocities());
+  Eigen::Index column = 0;
+  for (const auto& link : model_.links) {
+    out[column] = link.armature;
+    column += velocity_count(link.type);
+  }
+  return out;
 }
 
 void Candidates::add(std::vector<Candidate>& list, int& columns, Candidate candidate, int count) const {
@@ -260,8 +271,8 @@ bool Candidates::evaluate(const Belief& belief, const Sample& sample, Columns& o
   put(-at.pull(Jdot_qd));
   put(at.pull(J_Minv_C));
   put(at.pull(J_Minv_G));
+  Vector friction(n);
   if (!options_.friction.empty()) {
-    Vector friction(n);
     for (Eigen::Index i = 0; i < n; ++i)
       friction[i] = friction_torque(options_.friction[static_cast<std::size_t>(i)], sample.qd[i]);
     put(at.felt(friction));
@@ -365,12 +376,15 @@ bool Candidates::evaluate(const Belief& belief, const Sample& sample, Columns& o
   }
   const Matrix N = identity - out.P;
   out.null.resize(n, null_columns_);
-  out.null.col(0) = N * at.state.joint.C;
-  out.null.col(1) = N * at.state.joint.G;
-  out.null.col(2) = N * (at.state.joint.M * (J.transpose() * solve(JJt, Vector(u - Jdot_qd))));
-  out.null.col(3) = -N * sample.qd;
+  int null_column = 0;
+  const auto put_null = [&](const Vector& x) { out.null.col(null_column++) = N * x; };
+  put_null(at.state.joint.C);
+  put_null(at.state.joint.G);
+  put_null(at.state.joint.M * (J.transpose() * solve(JJt, Vector(u - Jdot_qd))));
+  if (!options_.friction.empty()) put_null(friction);
+  put_null(-sample.qd);
   if (q.size() == n) {
-    out.null.col(4) = -N * q;
+    put_null(-q);
     out.null.rightCols(n) = N;
   }
   return true;

@@ -50,6 +50,8 @@ class Candidates {
 
   const std::vector<Candidate>& list() const { return list_; }
   int columns() const { return columns_; }
+  /// Of the model, for each velocity coordinate: kg m^2 or kg.
+  VectorX<double> armature() const;
   /// The same for what does not move the tip, with more joints than task rows.
   const std::vector<Candidate>& null_space() const { return null_list_; }
   int null_columns() const { return null_columns_; }

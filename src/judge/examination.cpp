@@ -99,9 +99,11 @@ double rms(const Vector& x) {
   return known.size() > 0 ? known.norm() / std::sqrt(static_cast<double>(known.size())) : 0;
 }
 
+constexpr double hopeless = 20;      // scores: so much above its rival an attempt is given up
 constexpr int rounds = 8;            // of Gauss and Newton
 constexpr double doubt_margin = 12;  // of twice the log-likelihood: odds of 400 to 1
 constexpr Index fewest_samples = 20;
+constexpr double least_share = 2e-3;  // of a term
 
 }  // namespace
 
@@ -138,7 +140,6 @@ Examination::Examination(const Chain<double>& model, const Log& log, const Judge
       samples_(log, options, reading),
       candidates_(model, options, !log.u, order_known),
       n_(model.velocities()) {
-  belief_.armature.setZero(n_);
   for (const Candidate& c : candidates_.list()) groups_.push_back({c.first, c.columns});
   groups_.push_back({candidates_.columns(), 1});
   const std::vector<bool> saturated = saturated_rows(log);
@@ -151,30 +152,74 @@ Examination::Examination(const Chain<double>& model, const Log& log, const Judge
 }
 
 void Examination::explain() {
-  for (int round = 0; round < rounds; ++round) {
-    difference_ = gather();
-    const Explanations all(difference_.regression, groups_);
-    set_price(all);
-    std::vector<int> always = moved_;
-    for (std::size_t g = 0; g < candidates_.list().size(); ++g)
-      if (candidates_.list()[g].kind == Kind::gains) always.push_back(static_cast<int>(g));
-    fits_ = all.search(always, price_, doubt_margin * noise_square_);
-    bool moved = false;
-    for (const int g : best().groups) moved = take(g) || moved;
-    if (!moved) break;
+  Deviation none;
+  none.belief.armature.setZero(n_);
+  asked_ = std::pow(gather(none).size, 2);
+  std::vector<int> banned;
+  now_ = solve(none, banned, nullptr);
+  // An armature that is left out whole changes the arm too much for the first step to find it.
+  for (int g = 0; g < delay_group(); ++g) {
+    if (id_of(g) != "armature" || candidates_.armature().maxCoeff() == 0) continue;
+    Deviation omitted = none;
+    omitted.belief.armature = -candidates_.armature();
+    omitted.moved = {g};
+    Attempt other = solve(omitted, banned, &now_);
+    if (!other.fits.empty() && other.fits.front().score < now_.fits.front().score) now_ = std::move(other);
+  }
+  for (bool again = true; again;) {
+    again = false;
+    for (const int g : now_.deviation.moved) {
+      std::vector<int> more = banned;
+      more.push_back(g);
+      Attempt simpler = solve(without(g, now_.deviation), more, &now_);
+      if (simpler.fits.empty() || simpler.fits.front().score > now_.fits.front().score) continue;
+      now_ = std::move(simpler);
+      banned = std::move(more);
+      again = true;
+      break;
+    }
   }
 }
 
-Difference Examination::gather() const {
+Examination::Attempt Examination::solve(const Deviation& start, const std::vector<int>& banned,
+                                        const Attempt* rival) const {
+  Attempt out;
+  Deviation next = start;
+  for (int round = 0; round < rounds; ++round) {
+    Difference difference;
+    try {
+      difference = gather(next);
+    } catch (const LogError&) {
+      if (!rival && round == 0) throw;
+      break;  // a step into an arm that cannot be
+    }
+    out.deviation = next;
+    out.difference = std::move(difference);
+    const Explanations all(out.difference.regression, groups_);
+    set_price(all, out);
+    std::vector<int> always = out.deviation.moved;
+    for (std::size_t g = 0; g < candidates_.list().size(); ++g)
+      if (candidates_.list()[g].kind == Kind::gains) always.push_back(static_cast<int>(g));
+    out.fits = all.search(always, out.price, doubt_margin * out.noise_square,
+                          [&](const Fit& fit) { return sensible(fit, banned); });
+    if (rival && round >= 2 && out.fits.front().score > hopeless * rival->fits.front().score) break;
+    bool moved = false;
+    for (const int g : out.fits.front().groups) moved = take(g, out, next) || moved;
+    if (!moved) break;
+  }
+  return out;
+}
+
+Difference Examination::gather(const Deviation& deviation) const {
   const Index N = log_.samples();
   // The exact torque along the whole log: for its slope and for the noise of the difference.
   Matrix exact = Matrix::Constant(N, n_, std::nan(""));
   Matrix d = exact;
   Vector tau, row;
   for (Index k = 0; k < N; ++k) {
-    if (!candidates_.exact(belief_, samples_.at(k), row)) continue;
+    if (!candidates_.exact(deviation.belief, samples_.at(k), row)) continue;
     exact.row(k) = row;
-    if (torque_at(log_, k, delay_, tau)) d.row(k) = tau - row;
+    if (torque_at(log_, k, deviation.delay, tau)) d.row(k) = tau - row;
   }
   Difference out;
   out.left_out = saturated_;
@@ -199,7 +244,7 @@ Difference Examination::gather() const {
                                     .middleRows(std::max<Index>(0, k - half),
                                                 std::min(N, k + half + 1) - std::max<Index>(0, k - half))
                                     .allFinite();
-    if (!usable || !candidates_.evaluate(belief_, samples_.at(k), c)) {
+    if (!usable || !candidates_.evaluate(deviation.belief, samples_.at(k), c)) {
       ++out.left_out;
       continue;
     }
@@ -227,7 +272,7 @@ Difference Examination::gather() const {
   return out;
 }
 
-void Examination::set_price(const Explanations& all) {
+void Examination::set_price(const Explanations& all, Attempt& attempt) const {
   const Fit full = all.full();
   const Vector rest = all.rest(full);
   const auto rows = static_cast<double>(rest.size());
@@ -235,35 +280,83 @@ void Examination::set_price(const Explanations& all) {
   double along = 0;
   for (Index i = 0; i + n_ < rest.size(); ++i) along += rest[i] * rest[i + n_];
   const double rho = std::clamp(along / std::max(rest.squaredNorm(), 1e-300), 0.0, 0.98);
-  noise_square_ = std::max(1e-4, left) * (1 + rho) / (1 - rho);
-  price_ = (6 + 2 * std::log(rows)) * noise_square_;
+  attempt.noise_square = std::max(1e-4, left) * (1 + rho) / (1 - rho);
+  // A part of 1e-11 of the squares is rounding in sums of squares, not a term.
+  attempt.price =
+      std::max((6 + 2 * std::log(rows)) * attempt.noise_square, 1e-11 * all.regression().d.squaredNorm());
 }
 
-double Examination::rest() const {
-  const VectorX<double> left = difference_.regression.d - difference_.regression.X * best().beta;
+bool Examination::sensible(const Fit& fit, const std::vector<int>& banned) const {
+  for (const int g : fit.groups) {
+    if (std::find(banned.begin(), banned.end(), g) != banned.end()) return false;
+    if (g == delay_group()) continue;
+    const Candidate& c = candidates_.list()[static_cast<std::size_t>(g)];
+    const double first = fit.beta[c.first];
+    // A constant inertia in place of Lambda means that Lambda is gone.
+    if (c.id == "constant_lambda" && std::abs(first - 1) > 0.1) return false;
+    // Noise in the columns bends coefficients by its share of them, which is no mistake.
+    if ((c.kind == Kind::term || c.kind == Kind::mistake) && c.columns == 1 && std::abs(first) < least_share)
+      return false;
+  }
+  return true;
+}
+
+double Examination::left(const Difference& difference, const Fit& fit) const {
+  const Vector rest = difference.regression.d - difference.regression.X * fit.beta;
   double squares = 0;
-  for (Index i = 0; i < left.size(); ++i) squares += std::pow(left[i] * difference_.sigma[i % n_], 2);
-  return std::sqrt(squares / static_cast<double>(left.size()));
+  for (Index i = 0; i < rest.size(); ++i) squares += std::pow(rest[i] * difference.sigma[i % n_], 2);
+  return squares / static_cast<double>(rest.size());
 }
 
-bool Examination::take(int g) {
+double Examination::rest() const { return asked_ > 0 ? left(now_.difference, best()) / asked_ : 0; }
+
+double Examination::explained_by(int g) const {
+  std::vector<int> others = best().groups;
+  std::erase(others, g);
+  const std::vector<int>& moved = now_.deviation.moved;
+  const bool in_deviation = std::find(moved.begin(), moved.end(), g) != moved.end();
+  const Difference there = in_deviation ? gather(without(g, now_.deviation)) : now_.difference;
+  const double more =
+      left(there, Explanations(there.regression, groups_).fit(others)) - left(now_.difference, best());
+  return asked_ > 0 ? std::clamp(more / asked_, 0.0, 1.0) : 0;
+}
+
+std::string Examination::id_of(int g) const {
+  return g == delay_group() ? "delay" : candidates_.list()[static_cast<std::size_t>(g)].id;
+}
+
+bool Examination::take(int g, const Attempt& attempt, Deviation& deviation) const {
   const ColumnGroup& group = groups_[static_cast<std::size_t>(g)];
-  const Vector step = best().beta.segment(group.first, group.columns);
-  const Vector deviation = best().deviation.segment(group.first, group.columns) * std::sqrt(noise_square_);
-  const std::string id = g == delay_group() ? "delay" : candidates_.list()[static_cast<std::size_t>(g)].id;
+  const Fit& fit = attempt.fits.front();
+  const Vector step = fit.beta.segment(group.first, group.columns);
+  const Vector uncertain =
+      fit.deviation.segment(group.first, group.columns) * std::sqrt(attempt.noise_square);
+  const std::string id = id_of(g);
   if (id == "delay") {
-    delay_ += step[0];
+    deviation.delay += step[0];
   } else if (id == "armature") {
-    belief_.armature += step;
+    deviation.belief.armature =
+        (deviation.belief.armature + step).cwiseMax(-candidates_.armature());  // none is negative
   } else if (id == "payload") {
-    belief_.payload += step;
+    deviation.belief.payload += step;
   } else if (id == "tip_point") {
-    belief_.tip_offset += step;
+    deviation.belief.tip_offset += step;
   } else {
     return false;
   }
-  if (std::find(moved_.begin(), moved_.end(), g) == moved_.end()) moved_.push_back(g);
-  return (step.cwiseAbs() - 0.01 * deviation).maxCoeff() > 0;
+  if (std::find(deviation.moved.begin(), deviation.moved.end(), g) == deviation.moved.end())
+    deviation.moved.push_back(g);
+  return (step.cwiseAbs() - 0.01 * uncertain).maxCoeff() > 0;
+}
+
+Deviation Examination::without(int g, Deviation deviation) const {
+  const std::string id = id_of(g);
+  if (id == "delay") deviation.delay = 0;
+  if (id == "armature") deviation.belief.armature.setZero();
+  if (id == "payload") deviation.belief.payload.setZero();
+  if (id == "tip_point") deviation.belief.tip_offset.setZero();
+  std::erase(deviation.moved, g);
+  return deviation;
 }
 
 }  // namespace osculate

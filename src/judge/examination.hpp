@@ -35,6 +35,13 @@ struct Difference {
   Eigen::Index samples = 0, left_out = 0;
 };
 
+/// How a controller differs from the exact law in what the torque is not linear in.
+struct Deviation {
+  Belief belief;
+  double delay = 0;        // s
+  std::vector<int> moved;  // groups whose parameters these are
+};
+
 class Examination {
  public:
   /// `order_known`: u is read as declared, so that another order is a mistake of the controller. The
@@ -42,35 +49,54 @@ class Examination {
   Examination(const Chain<double>& model, const Log& log, const JudgeOptions& options, const Reading& reading,
               bool order_known);
 
-  /// Explains the difference; parameters that the torque is not linear in are found by steps of Gauss and
-  /// Newton. Throws LogError if too few samples can be used.
+  /// Explains the difference. Parameters that the torque is not linear in are found by steps of Gauss and
+  /// Newton; those without which the rest explains as much are dropped again. Throws LogError if too few
+  /// samples can be used.
   void explain();
 
   /// The best explanation, and all that are not much worse: see Explanations::search.
-  const Fit& best() const { return fits_.front(); }
-  const std::vector<Fit>& fits() const { return fits_; }
-  const Difference& difference() const { return difference_; }
+  const Fit& best() const { return now_.fits.front(); }
+  const std::vector<Fit>& fits() const { return now_.fits; }
+  const Difference& difference() const { return now_.difference; }
   const Candidates& candidates() const { return candidates_; }
   /// One for each candidate, and one for the delay.
   const std::vector<ColumnGroup>& groups() const { return groups_; }
   int delay_group() const { return static_cast<int>(groups_.size()) - 1; }
   /// Parameters that moved away from the model on the way to the best explanation.
-  const Belief& belief() const { return belief_; }
-  double delay() const { return delay_; }  // s
+  const Belief& belief() const { return now_.deviation.belief; }
+  double delay() const { return now_.deviation.delay; }  // s
   /// Mean square of what all candidates together leave, times how far neighbouring rows hang together: what a
   /// standard deviation has to be scaled by, squared.
-  double noise_square() const { return noise_square_; }
-  double price() const { return price_; }  // of one column
-  /// Root mean square of what the best explanation leaves, N m or N.
+  double noise_square() const { return now_.noise_square; }
+  double price() const { return now_.price; }  // of one column
+  /// Mean square of the difference from the model's exact torque as far as the tip feels it: (N m)^2 or N^2.
+  double asked() const { return asked_; }
+  /// Part of it that the best explanation leaves, and by which it would grow without one of its groups.
   double rest() const;
+  double explained_by(int g) const;
   Sample sample(Eigen::Index k) const { return samples_.at(k); }
   const std::vector<Eigen::Index>& chosen() const { return chosen_; }
 
  private:
-  Difference gather() const;
-  void set_price(const Explanations& all);
-  /// Moves the belief by what the best fit says of this group. False if nothing changed that matters.
-  bool take(int g);
+  struct Attempt {
+    Deviation deviation;
+    Difference difference;
+    double noise_square = 1, price = 0;
+    std::vector<Fit> fits;
+  };
+  /// Rounds of Gauss and Newton from `start`, without the groups in `banned`; given up where the score is far
+  /// above that of `rival`. Without fits where `start` is no arm.
+  Attempt solve(const Deviation& start, const std::vector<int>& banned, const Attempt* rival) const;
+  Difference gather(const Deviation& deviation) const;
+  /// Mean square of what a fit leaves: (N m)^2 or N^2.
+  double left(const Difference& difference, const Fit& fit) const;
+  bool sensible(const Fit& fit, const std::vector<int>& banned) const;
+  std::string id_of(int g) const;
+  void set_price(const Explanations& all, Attempt& attempt) const;
+  /// Moves the deviation by what a fit says of this group. False if nothing changed that matters.
+  bool take(int g, const Attempt& attempt, Deviation& deviation) const;
+  /// The same deviation without the parameters of this group.
+  Deviation without(int g, Deviation deviation) const;
 
   const Log& log_;
   const JudgeOptions& options_;
@@ -80,12 +106,8 @@ class Examination {
   std::vector<ColumnGroup> groups_;
   std::vector<Eigen::Index> chosen_;
   Eigen::Index saturated_ = 0;  // samples left out for that
-  Belief belief_;
-  double delay_ = 0;  // s
-  std::vector<int> moved_;
-  Difference difference_;
-  double price_ = 0, noise_square_ = 1;
-  std::vector<Fit> fits_;
+  double asked_ = 0;
+  Attempt now_;
 };
 
 }  // namespace osculate

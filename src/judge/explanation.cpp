@@ -83,7 +83,8 @@ Fit Explanations::full() const {
 
 VectorX<double> Explanations::rest(const Fit& fit) const { return regression_.d - regression_.X * fit.beta; }
 
-std::vector<Fit> Explanations::search(const std::vector<int>& always, double price, double margin) const {
+std::vector<Fit> Explanations::search(const std::vector<int>& always, double price, double margin,
+                                      const std::function<bool(const Fit&)>& sensible) const {
   std::vector<int> choice;
   for (int g = 0; g < static_cast<int>(groups_.size()); ++g) {
     const ColumnGroup& group = groups_[static_cast<std::size_t>(g)];
@@ -100,7 +101,7 @@ std::vector<Fit> Explanations::search(const std::vector<int>& always, double pri
   std::vector<Fit> good{rated(always)};
   double best = good.front().score;
   const auto keep = [&](Fit fit) {
-    if (fit.score > best + margin) return;
+    if (fit.score > best + margin || (sensible && !sensible(fit))) return;
     best = std::min(best, fit.score);
     good.push_back(std::move(fit));
   };

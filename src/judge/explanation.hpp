@@ -1,6 +1,7 @@
 // Least squares over subsets of groups of columns: which few of many explain a difference.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "model/chain.hpp"
@@ -37,7 +38,9 @@ class Explanations {
   Fit full() const;
   /// The subsets that contain `always` and score within `margin` of the best one, the best first; every
   /// subset of up to four more groups is tried, larger ones from the best of those. `price`: of one column.
-  std::vector<Fit> search(const std::vector<int>& always, double price, double margin) const;
+  /// `sensible`: fits that it refuses do not count.
+  std::vector<Fit> search(const std::vector<int>& always, double price, double margin,
+                          const std::function<bool(const Fit&)>& sensible = {}) const;
   /// The part of d that a fit leaves.
   VectorX<double> rest(const Fit& fit) const;
   /// Root of the mean square of what column would do at beta = 1, over the rows.

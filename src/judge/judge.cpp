@@ -33,10 +33,12 @@ std::string percent(double x) {
 /// "-1.00 +- 0.01": as many digits as the deviation allows.
 std::string measured(double value, double deviation) {
   const int digits =
-      deviation > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(deviation))), 0, 9) : 9;
+      deviation > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(deviation))), 2, 4) : 4;
   char text[80];
-  std::snprintf(text, sizeof text, "%.*f +- %.*f", std::max(2, digits), value, std::max(2, digits),
-                deviation);
+  if (deviation < 5e-5)
+    std::snprintf(text, sizeof text, "%.*f +- %.1g", digits, value, deviation);
+  else
+    std::snprintf(text, sizeof text, "%.*f +- %.*f", digits, value, digits, deviation);
   return text;
 }
 std::string measured(const Coefficient& c) {
@@ -64,24 +66,21 @@ std::string about_term(const std::string& phrase, const Coefficient& c) {
 
 class Words {
  public:
-  explicit Words(const Examination& examination, const Explanations& all, const Chain<double>& model)
-      : examination_(examination), all_(all), model_(model) {}
+  Words(const Examination& examination, const Chain<double>& model)
+      : examination_(examination), model_(model) {}
 
   Candidate candidate(int g) const {
     if (g != examination_.delay_group()) return examination_.candidates().list()[static_cast<std::size_t>(g)];
     return {"delay", "a delay", Kind::parameter, examination_.candidates().columns(), 1, {"delay"}, {"s"}};
   }
 
-  Finding finding(const Fit& fit, int g) const {
+  Finding finding(int g) const {
+    const Fit& fit = examination_.best();
     const Candidate c = candidate(g);
     Finding out;
     out.term = c.id;
     out.coefficients = coefficients(c, fit);
-    std::vector<int> without;
-    for (const int other : fit.groups)
-      if (other != g) without.push_back(other);
-    const double total = all_.regression().d.squaredNorm();
-    out.explained = total > 0 ? (all_.fit(without).rss - fit.rss) / total : 0;
+    out.explained = examination_.explained_by(g);
     out.sentence = sentence(c, out.coefficients);
     out.sentence +=
         c.kind == Kind::term || (c.kind == Kind::mistake && c.columns == 1)
@@ -107,7 +106,10 @@ class Words {
     if (c.kind == Kind::mistake) {
       if (c.columns == 1)
         return c.phrase + (near(values[0].value, 1, values[0].deviation) ? "" : ", in part");
-      if (c.id == "constant_lambda") return c.phrase + ": " + listed(values);
+      if (c.id == "constant_lambda") {
+        const bool whole = near(values[0].value, 1, values[0].deviation);
+        return c.phrase + ": " + listed({values.begin() + (whole ? 1 : 0), values.end()});
+      }
       return c.phrase;
     }
     std::vector<Coefficient> clear;
@@ -145,7 +147,6 @@ class Words {
   }
 
   const Examination& examination_;
-  const Explanations& all_;
   const Chain<double>& model_;
 };
 
@@ -287,14 +288,13 @@ Judgement judge(const Chain<double>& model, const Log& log, const JudgeOptions& 
   const Examination examination = read_and_explain(model, log, options, out);
   const Difference& difference = examination.difference();
   const Explanations all(difference.regression, examination.groups());
-  const Words words(examination, all, model);
+  const Words words(examination, model);
   const Fit& best = examination.best();
   out.samples = difference.samples;
   out.left_out = difference.left_out;
-  out.difference = difference.size;
+  out.difference = std::sqrt(examination.asked());
   out.noise = difference.noise;
-  const double total = difference.regression.d.squaredNorm();
-  out.rest = total > 0 ? best.rss / total : 0;
+  out.rest = examination.rest();
   for (const int g : best.groups) {
     const Candidate c = words.candidate(g);
     if (c.kind == Kind::gains) {
@@ -302,7 +302,7 @@ Judgement judge(const Chain<double>& model, const Log& log, const JudgeOptions& 
       for (Coefficient& gain : out.gains)
         gain.name = c.names[static_cast<std::size_t>(&gain - out.gains.data())];
     } else {
-      out.findings.push_back(words.finding(best, g));
+      out.findings.push_back(words.finding(g));
     }
   }
   std::stable_sort(out.findings.begin(), out.findings.end(),

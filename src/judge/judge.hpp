@@ -31,7 +31,7 @@ struct JudgeOptions {
   std::optional<RowOrder> u_order;
   std::optional<QuaternionOrder> quaternion_order;
   Acceleration acceleration = Acceleration::classical;  // of u
-  Eigen::Index samples = 1000;                          // used for the fit, evenly taken from the log
+  Eigen::Index samples = 500;                           // used for the fit, evenly taken from the log
 };
 
 struct Coefficient {
