@@ -11,7 +11,7 @@
 #include "experiment/arms.hpp"
 #include "input/limits.hpp"
 #include "input/read_text.hpp"
-#include "verification/step_check.hpp"
+#include "verification/state_terms.hpp"
 
 namespace osculate {
 
@@ -116,74 +116,7 @@ std::vector<State> read_states(const std::filesystem::path& file, const TaskRows
   return states;
 }
 
-/// Both sides at one state, by the lines that a run uses.
-struct Evaluation {
-  Evidence evidence;
-  Residuals residuals;
-  MatrixX<double> J;  // n columns, chosen rows
-  int rank = 0;
-  double condition = 0;
-  std::vector<std::string> warnings;
-  bool regular() const { return evidence.terms.Lambda.size() > 0; }
-};
-
-Evaluation evaluate(const ArmDescription& arm, const State& state, const TaskRows& rows) {
-  const Chain<double>& chain = arm.chain;
-  std::vector<double> y(state.q);
-  y.insert(y.end(), state.qd.begin(), state.qd.end());
-  y.insert(y.end(), 3, 0.0);
-  const auto judge = [&](Law law) {
-    LawOptions options;
-    options.law = law;
-    options.rows = rows;
-    options.constant_command = state.u;
-    Controller controller(chain, {}, options, make_path(HoldOptions{}), tip_pose(chain, state.q));
-    Plant plant;
-    plant.chain = chain;
-    ClosedLoop loop(std::move(controller), std::move(plant));
-    return gather(loop, 0, y);
-  };
-  Evaluation out;
-  out.evidence = judge(Law::free);
-  out.rank = scaled_rank(out.evidence.task.Omega);
-  if (out.rank == static_cast<int>(rows.size())) {
-    try {
-      out.evidence = judge(Law::operational_space);
-    } catch (const IntegrationStopped&) { out.evidence.terms = {}; }
-  } else {
-    out.evidence.terms = {};
-  }
-  out.residuals = assess(out.evidence);
-  out.condition = scaled_condition(out.evidence.task.Omega);
-  if (!out.regular())
-    out.warnings.push_back(
-        "Omega has rank " + std::to_string(out.rank) + " of " + std::to_string(rows.size()) +
-        ": Lambda, c, g, F, T and qdd do not exist" +
-        (arm.chain.velocities() < static_cast<int>(rows.size())
-             ? "; with " + std::to_string(arm.chain.velocities()) + " joints choose fewer rows with --rows"
-             : "; the arm is singular here"));
-  return out;
-}
-
-constexpr std::array<std::pair<const char*, Claim>, 6> judged{{{"Omega", Claim::omega},
-                                                               {"Lambda", Claim::lambda},
-                                                               {"c", Claim::c},
-                                                               {"g", Claim::g},
-                                                               {"T", Claim::torque},
-                                                               {"qdd", Claim::forward_dynamics}}};
-
-const Residual& residual(const Evaluation& e, Claim claim) { return e.residuals[index(claim)]; }
-
-/// True if a residual exceeds its bound.
-bool fails(const Evaluation& e) {
-  for (const auto& [key, claim] : judged) {
-    const Residual& r = residual(e, claim);
-    if (r.applies && r.bound <= undecided_bound && !(r.value <= r.bound)) return true;
-  }
-  return false;
-}
-
-void write_json(Json& json, const ArmDescription& arm, const Evaluation& e, const TaskRows& rows) {
+void write_json(Json& json, const ArmDescription& arm, const StateTerms& e, const TaskRows& rows) {
   const Evidence& v = e.evidence;
   json.begin_object();
   json.key("joints").begin_array();
@@ -220,33 +153,33 @@ void write_json(Json& json, const ArmDescription& arm, const Evaluation& e, cons
   json.key("dense").begin_object();
   json.key("Omega").value(v.task.Omega);
   if (e.regular()) {
-    const auto force = dense::task_force(v.task, v.terms, v.u);
+    const auto [F, T, qdd] = dense_force(e);
     json.key("Lambda").value(v.terms.Lambda);
     json.key("c").value(v.terms.c);
     json.key("g").value(v.terms.g);
-    json.key("F").value(force.F);
-    json.key("T").value(force.T);
-    json.key("qdd").value(dense::forward_dynamics(v.plant.joint, v.plant.tip.J, force.T));
+    json.key("F").value(F);
+    json.key("T").value(T);
+    json.key("qdd").value(qdd);
   } else {
     nulls();
   }
   json.end_object();
   json.key("residual").begin_object();
-  json.key("Omega").value(residual(e, Claim::omega).value);
+  json.key("Omega").value(e.residual(Claim::omega).value);
   if (e.regular()) {
-    json.key("Lambda").value(residual(e, Claim::lambda).value);
-    json.key("c").value(residual(e, Claim::c).value);
-    json.key("g").value(residual(e, Claim::g).value);
+    json.key("Lambda").value(e.residual(Claim::lambda).value);
+    json.key("c").value(e.residual(Claim::c).value);
+    json.key("g").value(e.residual(Claim::g).value);
     json.key("F").value(force_residual(v));
-    json.key("T").value(residual(e, Claim::torque).value);
-    json.key("qdd").value(residual(e, Claim::forward_dynamics).value);
+    json.key("T").value(e.residual(Claim::torque).value);
+    json.key("qdd").value(e.residual(Claim::forward_dynamics).value);
   } else {
     nulls();
   }
   json.end_object();
   json.key("bound").begin_object();
-  for (const auto& [key, claim] : judged) {
-    const Residual& r = residual(e, claim);
+  for (const auto& [key, claim] : judged_terms) {
+    const Residual& r = e.residual(claim);
     if (r.applies && (e.regular() || claim == Claim::omega))
       json.key(key).value(r.bound);
     else
@@ -265,7 +198,7 @@ void write_json(Json& json, const ArmDescription& arm, const Evaluation& e, cons
   json.end_object();
 }
 
-void write_text(std::ostream& out, const ArmDescription& arm, const Evaluation& e, const TaskRows& rows) {
+void write_text(std::ostream& out, const ArmDescription& arm, const StateTerms& e, const TaskRows& rows) {
   const Evidence& v = e.evidence;
   const Eigen::IOFormat format(6, 0, "  ", "\n", "  ", "");
   const auto row = [&](const char* name, const VectorX<double>& x) {
@@ -318,14 +251,14 @@ Exit terms(const TermsOptions& options, std::ostream& out, std::ostream& message
   if (options.json && options.states) json.begin_array();
   bool failed = false;
   std::size_t singular = 0;
-  std::array<Residual, judged.size()> worst{};
+  std::array<Residual, judged_terms.size()> worst{};
   for (const State& state : states) {
     require_articulated(arm.chain, arm, state.q);
-    const Evaluation e = evaluate(arm, state, rows);
+    const StateTerms e = terms_at(arm.chain, state.q, state.qd, state.u, rows);
     failed = failed || fails(e);
     singular += e.regular() ? 0 : 1;
-    for (std::size_t i = 0; i < judged.size(); ++i) {
-      const Residual& r = residual(e, judged[i].second);
+    for (std::size_t i = 0; i < judged_terms.size(); ++i) {
+      const Residual& r = e.residual(judged_terms[i].second);
       if (r.applies && r.bound <= undecided_bound && r.value * worst[i].bound >= worst[i].value * r.bound)
         worst[i] = r;
     }
@@ -343,9 +276,9 @@ Exit terms(const TermsOptions& options, std::ostream& out, std::ostream& message
   } else {
     out << states.size() << " states, " << singular
         << " without full rank; worst residual against the dense formulas, and its bound\n";
-    for (std::size_t i = 0; i < judged.size(); ++i) {
+    for (std::size_t i = 0; i < judged_terms.size(); ++i) {
       char line[96];
-      std::snprintf(line, sizeof line, "  %-8s %9.2e  %9.2e\n", judged[i].first, worst[i].value,
+      std::snprintf(line, sizeof line, "  %-8s %9.2e  %9.2e\n", judged_terms[i].first, worst[i].value,
                     worst[i].bound);
       out << line;
     }

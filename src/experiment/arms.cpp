@@ -26,6 +26,8 @@ void add_payload(Chain<double>& chain, const Payload& payload) {
   link.com = common;
 }
 
+}  // namespace
+
 void set_armature(Chain<double>& chain, const std::vector<double>& armature) {
   std::size_t first = 0;  // velocity coordinate; joints with several have no armature
   for (auto& link : chain.links) {
@@ -33,8 +35,6 @@ void set_armature(Chain<double>& chain, const std::vector<double>& armature) {
     first += static_cast<std::size_t>(velocity_count(link.type));
   }
 }
-
-}  // namespace
 
 void require_articulated(const Chain<double>& chain, const ArmDescription& description,
                          std::span<const double> q) {

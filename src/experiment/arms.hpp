@@ -21,6 +21,10 @@ ArmDescription describe(const ModelConfig& model);
 /// ConfigError.
 Arms make_arms(const Experiment& experiment);
 
+/// Gives revolute and prismatic joints their armature. One number for each velocity coordinate, base to tip,
+/// kg m^2 or kg; an empty list changes nothing.
+void set_armature(Chain<double>& chain, const std::vector<double>& armature);
+
 /// Throws ModelError for a chain of more joints than limits::joints.
 void require_simulable(const ArmDescription& description);
 
