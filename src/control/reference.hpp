@@ -39,15 +39,17 @@ struct TipReference {
 class Path {
  public:
   virtual ~Path() = default;
+  /// Where the path is at t >= 0, s, with its derivatives.
   virtual PathPoint at(double t) const = 0;
   /// Times inside (0, duration) where a derivative up to the third jumps; the integrator stops and restarts
   /// there.
   virtual std::vector<double> breakpoints() const { return {}; }
   /// True for each of the six rows that ever leaves zero.
   virtual std::array<bool, 6> commanded() const = 0;
-  /// The same from breakpoint to breakpoint: rows commanded in the segment that begins at `start`.
   /// False for a path that only jumps: its velocity is zero everywhere.
   virtual bool moves() const { return true; }
+  /// The same as commanded() from breakpoint to breakpoint: rows commanded in the segment that begins at
+  /// `start`.
   virtual std::array<bool, 6> commanded_from(double /*start*/) const { return commanded(); }
 };
 
@@ -100,12 +102,19 @@ struct MultisineOptions {
   std::vector<double> frequencies{0.5, 1, 2, 4};  // Hz, distinct, > 0
 };
 
+/// The path that the options describe.
 std::unique_ptr<Path> make_path(const HoldOptions&);
+/// The path that the options describe.
 std::unique_ptr<Path> make_path(const StepOptions&);
+/// The path that the options describe.
 std::unique_ptr<Path> make_path(const LineOptions&);
+/// The path that the options describe.
 std::unique_ptr<Path> make_path(const CircleOptions&);
+/// The path that the options describe.
 std::unique_ptr<Path> make_path(const LissajousOptions&);
+/// The path that the options describe; `duration` of the run, s, is shared among its axes.
 std::unique_ptr<Path> make_path(const EachAxisOptions&, double duration);
+/// The path that the options describe.
 std::unique_ptr<Path> make_path(const MultisineOptions&);
 /// C^2 cubic splines through the waypoints, at rest at both ends, holding the last point afterwards. The
 /// first waypoint may differ from `initial`: the error then decays as the gains say.
@@ -113,6 +122,7 @@ std::unique_ptr<Path> make_path(const WaypointsOptions&, const Pose& initial);
 
 /// The tip's reference motion at time t: the path applied to the initial pose.
 TipReference tip_reference(const Path& path, const Pose& initial, double t);
+/// The same into `out`, whose storage is used again.
 void tip_reference(const Path& path, const Pose& initial, double t, TipReference& out);
 
 }  // namespace osculate

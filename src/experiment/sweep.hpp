@@ -103,9 +103,11 @@ std::string report(const SweepResult& result);
 /// The result file: names and provenance at the start, numbers at the end; `files` are those that any variant
 /// names. docs/sweeps.md lists it.
 Layout sweep_layout(const SweepResult& planned, std::vector<Text> provenance, const NamedFiles& files);
+/// What the result file receives at the end: every number of the sweep.
 Ending sweep_ending(const SweepResult& result);
-/// complete | interrupted, and pass | fail | as_expected, of a sweep as a whole.
+/// complete | interrupted, of a sweep as a whole.
 std::string sweep_status(const SweepResult& result);
+/// pass | fail | as_expected.
 std::string sweep_verdict(const SweepResult& result);
 
 }  // namespace osculate

@@ -41,6 +41,7 @@ constexpr int velocity_count(JointType type) {
   constexpr int counts[] = {1, 1, 2, 2, 3, 3, 6};
   return counts[static_cast<int>(type)];
 }
+/// One position and one velocity coordinate: revolute and prismatic joints.
 constexpr bool one_axis(JointType type) {
   return type == JointType::revolute || type == JointType::prismatic;
 }
@@ -75,8 +76,9 @@ struct Chain {
   Vector3<S> gravity = Vector3<S>::Zero();    // m/s^2, acceleration of free fall, base frame
   /// Number of moving links, which is the number of joints.
   int n() const { return static_cast<int>(links.size()); }
-  /// Number of position coordinates of all joints, and of velocity coordinates.
+  /// Number of position coordinates of all joints.
   int positions() const { return count(position_count); }
+  /// Number of velocity coordinates of all joints: the degrees of freedom.
   int velocities() const { return count(velocity_count); }
   /// Every joint is revolute or prismatic.
   bool one_axis_joints() const {

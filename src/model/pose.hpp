@@ -124,6 +124,7 @@ void set_positions(const Chain<S>& chain, std::span<const S> q, std::vector<Join
   }
 }
 
+/// The same as a new list.
 template <Field S>
 std::vector<JointPosition<S>> positions(const Chain<S>& chain, std::span<const S> q) {
   std::vector<JointPosition<S>> out;

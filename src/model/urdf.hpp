@@ -59,6 +59,7 @@ struct ArmDescription {
   std::string urdf_text;
 };
 
+/// The chain that `choice` names, from a file. Throws ModelError.
 ArmDescription load_urdf(const std::filesystem::path& file, const ChainChoice& choice);
 /// The same from text already in memory; `source` is what messages call it.
 ArmDescription parse_urdf(const std::string& text, const std::string& source, const ChainChoice& choice);

@@ -33,6 +33,7 @@ class BasicEnsemble {
   static constexpr int lanes = S::size;
   using Array = MatrixX<double>;
 
+  /// Prepares the constants of the chain for all lanes.
   explicit BasicEnsemble(const Chain<double>& chain)
       : chain_(cast<S>(chain)),
         space_(chain_),
@@ -45,7 +46,9 @@ class BasicEnsemble {
         T_(qd_),
         qdd_(qd_) {}
 
+  /// Number of position coordinates.
   int positions() const { return static_cast<int>(q_.size()); }
+  /// Number of velocity coordinates.
   int velocities() const { return static_cast<int>(qd_.size()); }
 
   /// Omega(0), c, g, F and T = J* F of each state, with Omega F = u + Omega (c + g): all six task rows. u:

@@ -15,11 +15,14 @@ class BasicForwardDynamics {
  public:
   using S = typename H::Scalar;
 
+  /// Prepares the constants of the chain: all memory is taken here and in the first place().
   explicit BasicForwardDynamics(const Chain<S>& chain)
       : builder_(chain), order_(chain), x_(chain.n()), ground_(builder_.ground()) {}
 
+  /// Number of links.
   int n() const { return builder_.n(); }
 
+  /// Sets the configuration; joints base to tip.
   void place(const std::vector<JointPosition<S>>& joints) {
     leader_ = {};
     builder_.place(joints, arm_);
@@ -54,9 +57,13 @@ class BasicForwardDynamics {
     accelerations(T, F_ext, qdd);
   }
 
+  /// After move(): rad/s, m/s.
   const Vec<Motion, S>& tip_velocity() const { return moved().V0; }
+  /// After accelerations(): ordinary acceleration of the tip, gravity left out; rad/s^2, m/s^2.
   const Vec<Motion, S>& tip_acceleration() const { return x_.alpha0; }
+  /// After place(): tip axes, as columns.
   const Mat3<S>& tip_rotation() const { return arm().tip.R; }
+  /// After place(): tip point, m.
   const Vec3<S>& tip_position() const { return arm().tip.p; }
 
   /// Kinetic energy of links and rotors after place(), J. A moving base has the links move with it.

@@ -26,11 +26,13 @@ class BasicOperationalSpace {
  public:
   using S = typename H::Scalar;
 
+  /// Prepares the constants of the chain: all memory is taken here and in the first place().
   explicit BasicOperationalSpace(const Chain<S>& chain)
       : builder_(chain), order_(chain), x_(chain.n()), ground_(builder_.ground()) {
     if constexpr (in_link_frames<H>) last_.resize(static_cast<std::size_t>(chain.n()) + 1);
   }
 
+  /// Number of links.
   int n() const { return builder_.n(); }
 
   /// Sets the configuration.
@@ -122,20 +124,26 @@ class BasicOperationalSpace {
     filled_ = true;
   }
 
+  /// After sweep 1: rad/s, m/s.
   Vec<Motion, S> tip_velocity() const { return inertial(x_.V0); }
+  /// Tip axes, as columns. After place(); in link frames after a sweep.
   const Mat3<S>& tip_rotation() const { return tip().R; }
+  /// Tip point, m. After place(); in link frames after a sweep.
   const Vec3<S>& tip_position() const { return tip().p; }
+  /// Omega(0) = J M^-1 J* (60), after sweep 3: 1/(kg m^2), 1/(kg m), 1/kg.
   decltype(auto) Omega() const {
     if constexpr (in_link_frames<H>)
       return turned(x_.tip.R, x_.Omega0);
     else
       return (x_.Omega0);
   }
+  /// Omega(0) (c + g) and what the known torques and wrench add to it, after sweep 3: rad/s^2, m/s^2.
   Vec<Motion, S> right_side() const { return inertial(x_.eta0); }
   /// D(k) of the last sweep, paper numbering 1..n.
   const typename H::JointInertia& articulated_joint_inertia(int k) const { return x_[k].D; }
-  /// The placed arm, and what the sweeps left at its links.
+  /// The placed arm.
   const BasicArm<H>& arm() const { return arm_; }
+  /// What the sweeps left at its links.
   const Passes<H>& passes() const { return x_; }
   /// Sweeps along the arm so far, forward kinematics of `place` not counted.
   long sweeps() const { return x_.sweeps; }

@@ -51,6 +51,7 @@ class ResolvedAcceleration {
  public:
   using S = typename H::Scalar;
 
+  /// Prepares the constants of the chain: all memory is taken here and in the first place().
   explicit ResolvedAcceleration(const Chain<S>& chain)
       : builder_(chain),
         order_(chain),
@@ -59,8 +60,11 @@ class ResolvedAcceleration {
         alpha_(static_cast<std::size_t>(chain.n()) + 1),
         ground_(builder_.ground()) {}
 
+  /// Number of links.
   int n() const { return builder_.n(); }
+  /// Sets the configuration; joints base to tip.
   void place(const std::vector<JointPosition<S>>& joints) { builder_.place(joints, arm_); }
+  /// The base moves as prescribed; call before place. Without this call it is at rest.
   void move_base(const BaseMotion<S>& base) {
     arm_.base = builder_.placement(base);
     ground_ = builder_.ground(base);
@@ -99,9 +103,13 @@ class ResolvedAcceleration {
     return true;
   }
 
+  /// After sweep(): rad/s, m/s.
   const Vec<Motion, S>& tip_velocity() const { return x_.V0; }
+  /// After place(): tip axes, as columns.
   const Mat3<S>& tip_rotation() const { return arm_.tip.R; }
+  /// After place(): tip point, m.
   const Vec3<S>& tip_position() const { return arm_.tip.p; }
+  /// Sweeps along the arm so far.
   long sweeps() const { return x_.sweeps; }
 
  private:

@@ -14,6 +14,7 @@ namespace osculate {
 
 /// Rows of the six (wx wy wz vx vy vz) that the task controls, in order.
 using TaskRows = std::vector<int>;
+/// All six in their own order.
 inline TaskRows all_rows() { return {0, 1, 2, 3, 4, 5}; }
 /// All six in their own order: nothing has to be looked up.
 inline bool are_all_rows(std::span<const int> rows) {
@@ -21,17 +22,20 @@ inline bool are_all_rows(std::span<const int> rows) {
   return rows.size() == 6 && std::memcmp(rows.data(), order, sizeof order) == 0;
 }
 
+/// Entry i of the six, angular part first.
 template <class Space, Field S>
 constexpr const S& component(const Vec<Space, S>& v, int i) {
   const Vec3<S>& part = i < 3 ? v.ang : v.lin;
   return i % 3 == 0 ? part.x : i % 3 == 1 ? part.y : part.z;
 }
+/// Entry i of the six, to be written.
 template <class Space, Field S>
 constexpr S& component(Vec<Space, S>& v, int i) {
   Vec3<S>& part = i < 3 ? v.ang : v.lin;
   return i % 3 == 0 ? part.x : i % 3 == 1 ? part.y : part.z;
 }
 
+/// Entry i of three.
 template <Field S>
 constexpr const S& component(const Vec3<S>& v, int i) {
   return i == 0 ? v.x : i == 1 ? v.y : v.z;
@@ -52,6 +56,7 @@ constexpr S component(const Symmetric<To, S>& a, int i, int j) {
 template <Field S>
 using TaskVector = std::array<S, 6>;
 
+/// The chosen rows of v.
 template <Field S>
 TaskVector<S> restricted(const Vec<Motion, S>& v, std::span<const int> rows) {
   if (are_all_rows(rows)) return {v.ang.x, v.ang.y, v.ang.z, v.lin.x, v.lin.y, v.lin.z};
@@ -77,6 +82,7 @@ struct BlockFactor {
   S dx, dy, dz;  // D
   S ix, iy;      // 1 / dx, 1 / dy
   BlockFactor() = default;
+  /// Factors A; nothing is compared.
   constexpr explicit BlockFactor(const Sym3<S>& A)
       : dx(entry(A, 0, 0)), dy(entry(A, 1, 1)), dz(entry(A, 2, 2)) {
     const S x = entry(A, 0, 1), y = entry(A, 0, 2);
@@ -113,6 +119,7 @@ struct BlockFactor {
 template <Field S>
 class TaskFactor {
  public:
+  /// Factors the chosen rows and columns of Omega.
   TaskFactor(const Compliance<S>& Omega, std::span<const int> rows) : m_(static_cast<int>(rows.size())) {
     if (are_all_rows(rows))
       factor(Omega);
@@ -120,6 +127,7 @@ class TaskFactor {
       factor_chosen(Omega, rows);
   }
 
+  /// Number of task rows.
   int size() const { return m_; }
   /// Diagonal of D; entries from size() on are unused.
   TaskVector<S> pivots() const {

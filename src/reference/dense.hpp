@@ -38,12 +38,14 @@ struct TaskForce {
   VectorX<S> T;  // n; N m or N                                                                (16)
 };
 
+/// Pose and motion of the tip from the places of the links and their derivatives along qd.
 template <Field S>
 Kinematics<S> kinematics(const Chain<S>& chain, const Places<Dual<S>>& at, const VectorX<S>& qd) {
   PointMotion<S> tip = point_motion(at, qd, at.tip.p, chain.n());
   return {values(at.tip.R), values(at.tip.p), std::move(tip.J), tip.V, tip.Jdot_qd};
 }
 
+/// M, C and G of (6) from the places of the links and their derivatives along qd.
 template <Field S>
 JointSpace<S> joint_space(const Chain<S>& chain, const Places<Dual<S>>& at, const VectorX<S>& qd) {
   const int m = chain.velocities();

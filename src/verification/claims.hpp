@@ -64,6 +64,7 @@ inline constexpr std::array<ClaimInfo, claim_count> claim_table{{
     {"poles", "(5) with the error law", "roots of s^2 + D s + K"},
     {"force_response", "(5) in contact", "closed-form depth and pressure of the commanded linear system"},
 }};
+/// Place of a claim in claim_table and in every list of claims.
 constexpr std::size_t index(Claim claim) { return static_cast<std::size_t>(claim); }
 
 /// A bound above this decides nothing: the step is undecided, never passed.
