@@ -1,0 +1,20 @@
+# find_package(osculate) gives osculate::osculate, with COMPONENTS recursion osculate::recursion alone: the recursions
+# and the reader of URDF files, which need neither SUNDIALS nor HDF5 nor yaml-cpp.
+include(CMakeFindDependencyMacro)
+find_dependency(Eigen3 3.4 NO_MODULE)
+find_dependency(urdfdom)
+find_dependency(console_bridge)
+if(NOT osculate_FIND_COMPONENTS STREQUAL "recursion")
+  enable_language(C)  # CMake looks for HDF5 through it
+  find_dependency(SUNDIALS COMPONENTS cvode arkode)
+  find_dependency(HDF5 COMPONENTS C HL)
+  find_dependency(yaml-cpp)
+endif()
+include(${CMAKE_CURRENT_LIST_DIR}/osculateTargets.cmake)
+set(osculate_recursion_FOUND TRUE)
+foreach(component IN LISTS osculate_FIND_COMPONENTS)
+  if(osculate_FIND_REQUIRED_${component} AND NOT osculate_${component}_FOUND)
+    set(osculate_FOUND FALSE)
+    set(osculate_NOT_FOUND_MESSAGE "osculate has no component ${component}: there is recursion, or name none for all of it")
+  endif()
+endforeach()
