@@ -40,9 +40,21 @@ std::string cpu_features() {
   return out.empty() ? "unknown" : out;
 }
 
-/// The hash that the linker put into the program, in hexadecimal digits; "" if it put none.
+/// Whether a loaded file has this address.
+bool holds(const dl_phdr_info& file, ElfW(Addr) address) {
+  for (int i = 0; i < file.dlpi_phnum; ++i) {
+    const auto& segment = file.dlpi_phdr[i];
+    const ElfW(Addr) start = file.dlpi_addr + segment.p_vaddr;
+    if (segment.p_type == PT_LOAD && address >= start && address - start < segment.p_memsz) return true;
+  }
+  return false;
+}
+
+/// The hash that the linker put into the program, or into the library that holds this code, in hexadecimal
+/// digits; "" if it put none.
 std::string build_id() {
   const auto look = [](dl_phdr_info* program, std::size_t, void* into) {
+    if (!holds(*program, reinterpret_cast<ElfW(Addr)>(&provenance))) return 0;
     for (int i = 0; i < program->dlpi_phnum; ++i) {
       const auto& segment = program->dlpi_phdr[i];
       if (segment.p_type != PT_NOTE) continue;
@@ -64,7 +76,7 @@ std::string build_id() {
         return 1;
       }
     }
-    return 1;  // the program itself comes first; its libraries do not matter here
+    return 1;
   };
   std::string out;
   dl_iterate_phdr(look, &out);

@@ -23,6 +23,8 @@ SEES = {
     "judge": {"input", "model", "reference", "control", "record"},
     "experiment": {"input", "scalar", "model", "reference", "recursion", "control", "simulation", "verification", "record", "spatial"},
     "cli": {"input", "scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment", "paper", "judge"},
+"python": {"input", "scalar", "spatial", "model", "recursion", "reference", "control", "simulation", "verification",
+               "record", "experiment", "judge"},
 }
 # Sight that a layer has for these files alone: a law must not lean on the oracle that checks it.
 ONLY_FOR = {
@@ -38,6 +40,7 @@ FENCES = {
     r"(urdf_|urdf/|console_bridge)": {"model/urdf.cpp"},
     r"yaml-cpp": {"experiment/yaml_parse.cpp"},
     r"CLI/": {"cli/program.cpp"},
+    r"(pybind11|Python)": {"python"},
     r"boost/": {"scalar/rational.hpp", "scalar/quad.hpp", "scalar/rational_product.hpp"},
     r"quadmath": {"scalar/quad.hpp"},
 }
