@@ -44,6 +44,7 @@ struct Log {
   std::optional<RowOrder> u_order;
   std::optional<QuaternionOrder> quaternion_order;
 
+  /// Number of rows.
   Eigen::Index samples() const { return static_cast<Eigen::Index>(t.size()); }
 };
 

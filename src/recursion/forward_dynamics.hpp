@@ -59,7 +59,7 @@ class BasicForwardDynamics {
 
   /// After move(): rad/s, m/s.
   const Vec<Motion, S>& tip_velocity() const { return moved().V0; }
-  /// After accelerations(): ordinary acceleration of the tip, gravity left out; rad/s^2, m/s^2.
+  /// After accelerations(): ordinary acceleration of the tip, zero while it rests; rad/s^2, m/s^2.
   const Vec<Motion, S>& tip_acceleration() const { return x_.alpha0; }
   /// After place(): tip axes, as columns.
   const Mat3<S>& tip_rotation() const { return arm().tip.R; }
