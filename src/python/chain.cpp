@@ -74,10 +74,13 @@ class PythonChain {
     States states;
     const StateRows at = q_of(states, q);
     Array p = states.result({3}), R = states.result({3, 3});
-    for (std::size_t i = 0; i < states.count(); ++i) {
-      const Pose tip = osculate::tip_pose(chain(), at[i]);
-      set_entry(p, i, tip.p);
-      set_entry(R, i, tip.R);
+    {
+      const py::gil_scoped_release released;
+      for (std::size_t i = 0; i < states.count(); ++i) {
+        const Pose tip = osculate::tip_pose(chain(), at[i]);
+        set_entry(p, i, tip.p);
+        set_entry(R, i, tip.R);
+      }
     }
     return {p, R};
   }

@@ -23,7 +23,7 @@ SEES = {
     "judge": {"input", "model", "reference", "control", "record"},
     "experiment": {"input", "scalar", "model", "reference", "recursion", "control", "simulation", "verification", "record", "spatial"},
     "cli": {"input", "scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment", "paper", "judge"},
-"python": {"input", "scalar", "spatial", "model", "recursion", "reference", "control", "simulation", "verification",
+    "python": {"input", "scalar", "spatial", "model", "recursion", "reference", "control", "simulation", "verification",
                "record", "experiment", "judge"},
 }
 # Sight that a layer has for these files alone: a law must not lean on the oracle that checks it.
