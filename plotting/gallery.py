@@ -94,6 +94,7 @@ PICTURES = {
     "puma560_wrist_released": ANGULAR,
     "puma560_wrist_rest": ANGULAR,
     "puma560_wrist_truncated": ANGULAR,
+    "puma560_your_controller": Picture("residuals", "linearization"),
     "satellite_arm_reach": Picture("self_motion", "share"),
     "satellite_arm_tumble": Picture("tip", "space", SPACE),
     "ur5e_circle": Picture("tip", "position error"),

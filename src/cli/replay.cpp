@@ -43,6 +43,13 @@ void print_build(const ResultTexts& a, const ResultTexts& b, std::ostream& out) 
   for (const std::string& line : differences) out << "  " << line << "\n";
 }
 
+/// Throws where a file of the controller is missing.
+void print_controller(const ResultTexts& texts, const path& file, const Experiment& experiment,
+                      std::ostream& out) {
+  for (const std::string& change : controller_changes(texts, file, experiment))
+    out << "the controller has changed: " << change << "\n";
+}
+
 /// Identical or not, in words and as an exit code.
 Exit tell(const Comparison& comparison, const path& a, const path& b, std::ostream& out) {
   out << report(comparison, a.string(), b.string());
@@ -89,6 +96,7 @@ Exit replay(const AgainOptions& options, std::ostream& out, std::ostream& messag
   std::optional<TemporaryDirectory> temporary;
   if (!keep) temporary.emplace();
   const path output = keep ? options.output : temporary->where() / "replay.h5";
+  print_controller(texts, options.file, embedded_experiment(texts, options.file), out);
   const Exit exit = run_again(texts, options, output, options.force);
   end_progress(options, messages);
   if (stopped_by_signal(exit)) {
@@ -132,6 +140,11 @@ Exit resume(const AgainOptions& options, std::ostream& out, std::ostream& messag
   if (std::filesystem::equivalent(options.file, output, ignored))
     throw FileError(output.string() + ": a run cannot be resumed into its own file; choose another output");
   const Experiment experiment = embedded_experiment(texts, options.file);
+  if (experiment.controller.law == Law::user && experiment.controller.sampling)
+    throw ConfigError(options.file.string() +
+                      ": its sampled law is one of your own, and what that remembers is not in the file: run "
+                      "the experiment again.");
+  print_controller(texts, options.file, experiment, out);
 
   RunOptions running;
   running.output = output;

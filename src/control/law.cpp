@@ -81,6 +81,8 @@ Controller::Controller(const Chain<double>& model, std::vector<JointFriction> fr
     resolved_ = for_chain<Resolved>(model);
   else if (options_.law == Law::operational_space && options_.sampling)
     sampled_ = for_chain<SampledSpace>(model);
+  else if (options_.law == Law::user)
+    user_ = UserLaw(options_.user);
 }
 
 void Controller::begin(double t, std::span<const double> q, std::span<const double> qd) {
@@ -250,6 +252,12 @@ const Command& Controller::torque(double t, std::span<const double> q_true, std:
       break;
     case Law::textbook:
       textbook(t, qd);
+      break;
+    case Law::user:
+      sweep_exactly(qd);
+      std::visit([&](auto& space) { see_tip(space, t); }, space_);
+      decide();
+      user(t, qd);
       break;
     case Law::free:
       sweep_exactly(qd);

@@ -17,6 +17,7 @@
 #include "control/singular_task.hpp"
 #include "control/textbook_laws.hpp"
 #include "model/friction.hpp"
+#include "plugin/user_law.hpp"
 #include "recursion/operational_space.hpp"
 #include "recursion/resolved_acceleration.hpp"
 
@@ -26,6 +27,7 @@ enum class Law {
   operational_space,      // (4) by the recursions
   resolved_acceleration,  // (16) by Newton-Euler; as many task rows as joint coordinates
   textbook,               // an equation evaluated with the dense terms, LawOptions.textbook
+  user,                   // somebody else's, in a process of its own, LawOptions.user
   free,                   // no torque: the free swing
 };
 
@@ -83,7 +85,8 @@ struct LawOptions {
   std::optional<Sensors> sensors;    // of a sampled law
   std::vector<double> effort_limit;  // N m or N for each velocity coordinate: torques saturate; empty: never
   std::vector<double> constant_inertia;  // TextbookLaw::jacobian_transpose: kg m^2 and kg on the task rows
-  std::shared_ptr<const Path> base_path = {};  // how the base moves in the inertial frame; none: at rest
+  std::shared_ptr<const Path> base_path = {};     // how the base moves in the inertial frame; none: at rest
+  std::shared_ptr<const UserLawSetup> user = {};  // of Law::user
 };
 
 /// What the sensors of a sampled law gave at the sample before; empty before the first.
@@ -126,14 +129,14 @@ std::optional<CoordinateChart> chart_of(OrientationCoordinates orientation, Posi
 class Controller {
  public:
   /// `model` is what the controller believes of the arm. `initial` is the tip pose that the path is relative
-  /// to.
+  /// to. Throws UserLawFailed where Law::user cannot be started.
   Controller(const Chain<double>& model, std::vector<JointFriction> friction, const LawOptions& options,
              std::shared_ptr<const Path> path, const Pose& initial);
 
   /// Joint torques, base to tip, of a law that acts at every instant; of a sampled one, the next sample.
   /// `tip_force`: wrench on the tip now, which a law that measures it takes into account. Throws SingularArm,
-  /// RepresentationSingular, std::domain_error (at a joint limit or an obstacle whose field has no bound).
-  /// The result refers to this object and lasts until the next call.
+  /// RepresentationSingular, UserLawFailed, std::domain_error (at a joint limit or an obstacle whose field
+  /// has no bound). The result refers to this object and lasts until the next call.
   const Command& torque(double t, std::span<const double> q, std::span<const double> qd, std::span<double> T,
                         const Vector6& tip_force = Vector6::Zero());
 
@@ -167,7 +170,7 @@ class Controller {
   /// Positions of the joints at the last torque() or look(), base to tip, trigonometry done.
   const std::vector<JointPosition<double>>& joints() const { return joints_; }
   /// The exact recursions where the joints have one axis each, else null; swept at the state of the last
-  /// torque() of a law that uses them: operational_space without sampling, textbook, free.
+  /// torque() of a law that uses them: operational_space without sampling, textbook, user, free.
   const OperationalSpace<double>* exact_sweeps() const { return std::get_if<0>(&space_); }
   /// T0 of the last torque(), base to tip.
   std::span<const double> null_space_torque() const { return T0_; }
@@ -216,6 +219,8 @@ class Controller {
   void operational_space(double t, std::span<const double> qd);
   void resolved_acceleration(double t, std::span<const double> qd);
   void textbook(double t, std::span<const double> qd);
+  /// Asks the law of Law::user, where the tip has been seen and u decided (user_law.cpp).
+  void user(double t, std::span<const double> qd);
   /// Sweeps 1 to 3 of the exact recursions at the present state, for look() and the monitor.
   void sweep_exactly(std::span<const double> qd);
 
@@ -243,6 +248,7 @@ class Controller {
   long sweeps_ = 0, samples_ = 0;
   bool monitored_ = true;
   RecursiveTerms seen_by_monitor_;
+  UserLaw user_;
 };
 
 /// Pose of the tip of a chain at q (base to tip) on a base at rest.

@@ -17,6 +17,8 @@ std::string stop_name(IntegrationStopped::Reason reason) {
       return "non_finite";
     case Reason::step_too_small:
       return "step_too_small";
+    case Reason::law:
+      return "law";
     case Reason::failed:
       return "failed";
   }
@@ -62,9 +64,10 @@ void conclude(const ExpectConfig& expect, const std::string& stop, int signal, R
   for (std::size_t i = 0; i < claim_count; ++i)
     if (result.claims[i].outcome == Outcome::fail) failed.emplace_back(claim_table[i].id);
   std::sort(failed.begin(), failed.end());
-  // A stop after a recursion disagreed with its definition is the recursion's fault, not the arm's.
+  // A stop after a recursion disagreed with its definition is the recursion's fault, not the arm's. A law of
+  // the user's own that gives no answer stops the run whatever it answered before.
   bool recursion_failed = false;
-  for (std::size_t i = 0; i < index(Claim::energy); ++i)
+  for (std::size_t i = 0; i < index(Claim::energy) && stop != "law"; ++i)
     recursion_failed = recursion_failed || result.claims[i].reason == "residual above its bound";
 
   if (signal != 0) {
@@ -99,12 +102,15 @@ namespace {
 
 /// printf into the end of a text.
 [[gnu::format(printf, 2, 3)]] void add(std::string& out, const char* format, ...) {
-  char line[400];
-  va_list values;
+  va_list values, again;
   va_start(values, format);
-  std::vsnprintf(line, sizeof line, format, values);
+  va_copy(again, values);
+  const auto size = static_cast<std::size_t>(std::vsnprintf(nullptr, 0, format, values));
   va_end(values);
-  out += line;
+  out.resize(out.size() + size + 1);
+  std::vsnprintf(out.data() + out.size() - size - 1, size + 1, format, again);
+  va_end(again);
+  out.pop_back();  // the ending 0
 }
 
 void add_limits(std::string& out, const char* what, const std::vector<TimeSpent>& beyond) {

@@ -125,15 +125,15 @@ ExpectConfig read_expect(const Setting& setting) {
   for (const auto& info : claim_table) all_claims += " " + std::string(info.id);
   const Map map(setting,
                 {{"stop", "",
-                  "`singular` (the arm, or the coordinates of the law), `non_finite`, `step_too_small` or "
-                  "`too_many_steps`: the run must stop so",
+                  "`singular` (the arm, or the coordinates of the law), `non_finite`, `step_too_small`, "
+                  "`too_many_steps` or `law` (one of your own failed): the run must stop so",
                   "\"\""},
                  {"fails", "", "claims that must fail:" + all_claims, "[]"}});
   ExpectConfig out;
   const auto stop = map.at("stop"), fails = map.at("fails");
   yaml::note_words(stop, {""});
   if (stop.given() && !(yaml::is_scalar(stop) && stop.value->text.empty()))
-    out.stop = yaml::read_word(stop, {"singular", "non_finite", "step_too_small", "too_many_steps"});
+    out.stop = yaml::read_word(stop, {"singular", "non_finite", "step_too_small", "too_many_steps", "law"});
   if (!fails.given()) return out;
   std::vector<std::string> claims;
   for (const auto& info : claim_table) claims.emplace_back(info.id);
@@ -172,7 +172,7 @@ Experiment read_document(const yaml::Value& document, const std::string& source,
   read_initial(root.at("initial"), out);
   out.reference = read_reference(root.at("reference"), directory);
   if (root.at("base_motion").given()) out.base_motion = read_base_motion(root.at("base_motion"), directory);
-  out.controller = read_controller(root.at("controller"));
+  out.controller = read_controller(root.at("controller"), directory);
   out.integrator = read_integrator(root.at("integrator"));
   read(root.at("duration"), out.duration, above_zero());
   if (const auto* axes = std::get_if<EachAxisOptions>(&out.reference);
@@ -193,6 +193,11 @@ Experiment read_document(const yaml::Value& document, const std::string& source,
   }
   const auto restarts = output.at("restart_interval");
   read(restarts, out.output.restart_interval, at_least_zero("0 makes no restart points"));
+  if (out.controller.law == Law::user && out.controller.sampling) {
+    if (restarts.given() && out.output.restart_interval > 0)
+      fail(restarts, "a sampled law of your own may have a memory that osculate cannot write down: set 0.");
+    out.output.restart_interval = 0;
+  }
   if (out.output.restart_interval > 0 && out.duration / out.output.restart_interval > limits::restarts)
     fail(restarts.given() ? restarts : root.at("duration"),
          "gives more than 1e5 restart points: set output.restart_interval to at least duration / 1e5, or 0.");

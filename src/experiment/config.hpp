@@ -81,6 +81,7 @@ struct ControllerConfig {
   Vector6 stiffness = Vector6::Constant(100);  // 1/s^2 for each axis, >= 0; YAML: a number or six
   Vector6 damping = Vector6::Constant(20);     // 1/s for each axis, >= 0
   TextbookLaw textbook = TextbookLaw::dense;   // with Law::textbook
+  UserLawOptions user;                         // with Law::user; paths absolute after reading
   NullSpaceConfig null_space;                  // redundant arms
   bool feedforward = true;                     // velocity and acceleration of the reference are part of u
   bool compensate_friction = true;             // add the model's joint friction to the torque
@@ -132,7 +133,7 @@ struct SweepConfig {
 
 /// Exit code 0 means exactly this came true. Empty: every claim passes and the run completes.
 struct ExpectConfig {
-  std::string stop;                // "" or "singular" | "non_finite" | "step_too_small" | "too_many_steps"
+  std::string stop;  // "" or "singular" | "non_finite" | "step_too_small" | "too_many_steps" | "law"
   std::vector<std::string> fails;  // claim ids
 };
 

@@ -7,6 +7,8 @@
 namespace osculate {
 namespace {
 
+constexpr double user_law_seconds = 1e6;  // that may be waited for
+
 using yaml::above_zero;
 using yaml::at_least_zero;
 using yaml::entries;
@@ -15,7 +17,43 @@ using yaml::Map;
 using yaml::read;
 using yaml::Setting;
 
-void read_law(const Setting& setting, ControllerConfig& out) {
+/// A law of the user's own: a map in place of a word.
+UserLawOptions read_user_law(const Setting& setting, const std::filesystem::path& directory) {
+  const Map map(
+      setting,
+      {{"plugin", "",
+        "a shared library with the interface of `include/osculate/controller.h`, or [a law of your "
+        "own](your-controller.md) as"},
+       {"process", "", "a program and its arguments, [p, a, b], that answers lines of JSON. One of the two"},
+       {"directory", "", "where the program runs", "the experiment's"},
+       {"options", "", "a text for the law"},
+       {"terms", "", "the law is given M, C, G, J and Jdot qd"},
+       {"time_limit", "s", "for each answer, > 0"},
+       {"start_limit", "s", "until it is ready, > 0"}});
+  UserLawOptions out;
+  std::string plugin, where = ".";
+  const auto library = map.at("plugin"), program = map.at("process");
+  read(library, plugin);
+  if (program.given())
+    for (const auto& word : entries(program, "a list of texts, the program and its arguments"))
+      read(word, out.process.emplace_back());
+  read(map.at("directory"), where);
+  read(map.at("options"), out.options);
+  read(map.at("terms"), out.terms);
+  const std::string note = "1 is enough for most";
+  read(map.at("time_limit"), out.time_limit,
+       {.low = 0, .low_open = true, .high = user_law_seconds, .note = note});
+  read(map.at("start_limit"), out.start_limit,
+       {.low = 0, .low_open = true, .high = user_law_seconds, .note = "30 is enough for most"});
+  if (!setting.given()) return out;
+  if (library.given() == program.given() || (program.given() && out.process.empty()))
+    fail(setting, "give either plugin, a shared library, or process, a program and its arguments.");
+  if (!plugin.empty()) out.plugin = resolve(directory, plugin).string();
+  out.directory = resolve(directory, where).string();
+  return out;
+}
+
+void read_law(const Setting& setting, const std::filesystem::path& directory, ControllerConfig& out) {
   yaml::require_given(setting, "give operational_space, resolved_acceleration or free.");
   using Choice = std::pair<Law, TextbookLaw>;
   std::vector<std::pair<std::string, Choice>> choices{
@@ -23,6 +61,11 @@ void read_law(const Setting& setting, ControllerConfig& out) {
       {"resolved_acceleration", {Law::resolved_acceleration, out.textbook}},
       {"free", {Law::free, out.textbook}}};
   for (const auto& info : textbook_laws()) choices.emplace_back(info.name, Choice{Law::textbook, info.law});
+  if (yaml::is_map(setting)) {
+    out.law = Law::user;
+    out.user = read_user_law(setting, directory);
+    return;
+  }
   Choice chosen;
   read(setting, chosen, choices);
   std::tie(out.law, out.textbook) = chosen;
@@ -242,15 +285,14 @@ void read_effort_limit(const Setting& setting, ControllerConfig& out) {
 
 }  // namespace
 
-ControllerConfig read_controller(const Setting& setting) {
+ControllerConfig read_controller(const Setting& setting, const std::filesystem::path& directory) {
   const std::string one_or_six =
       "a number or six, >= 0; with `quaternion` the first three must be equal. With `impedance`: ";
   const Map map(
       setting,
       {{"law", "",
         "`operational_space`; `resolved_acceleration`: as many task rows as velocity coordinates; `free`: no "
-        "torque; "
-        "or one of the laws in common use below"},
+        "torque; one of the laws in common use below; or a map: a law of your own"},
        {"coordinates", "", "`pose`: six task rows; `position`: vx, vy, vz"},
        {"rows", "",
         "task rows by name, for instance [vx, vy, vz]; overrides `coordinates`; at most as many as velocity "
@@ -288,7 +330,7 @@ ControllerConfig read_controller(const Setting& setting) {
   const Map gains(map.at("gains"), {{"stiffness", "1/s^2", one_or_six + "N m/rad and N/m"},
                                     {"damping", "1/s", one_or_six + "N m s/rad and N s/m"}});
   ControllerConfig out;
-  read_law(map.at("law"), out);
+  read_law(map.at("law"), directory, out);
   const std::vector<int> pose{0, 1, 2, 3, 4, 5}, position{3, 4, 5};
   read(map.at("coordinates"), out.rows, {{"pose", pose}, {"position", position}});
   read_rows(map.at("rows"), out.rows);

@@ -11,7 +11,7 @@ PlantConfig read_plant(const yaml::Setting&);
 ReferenceConfig read_reference(const yaml::Setting&, const std::filesystem::path& directory);
 /// A reference along which the base can move.
 ReferenceConfig read_base_motion(const yaml::Setting&, const std::filesystem::path& directory);
-ControllerConfig read_controller(const yaml::Setting&);
+ControllerConfig read_controller(const yaml::Setting&, const std::filesystem::path& directory);
 
 /// A sweep with the place of each override in the file.
 struct PlacedSweep {

@@ -47,8 +47,17 @@ std::string friction(const std::vector<JointFriction>& joints) {
 std::string truth(bool x) { return x ? "true" : "false"; }
 std::string row(int i) { return task_row_names.at(static_cast<std::size_t>(i)); }
 
+std::string user_law(const UserLawOptions& law) {
+  return (law.plugin.empty() ? "{process: " + list(law.process, quoted) : "{plugin: " + quoted(law.plugin)) +
+         ", directory: " + quoted(law.directory) +
+         (law.options.empty() ? "" : ", options: " + quoted(law.options)) + ", terms: " + truth(law.terms) +
+         ", time_limit: " + number(law.time_limit) + ", start_limit: " + number(law.start_limit) + "}";
+}
+
 std::string law(const ControllerConfig& c) {
   switch (c.law) {
+    case Law::user:
+      return user_law(c.user);
     case Law::operational_space:
       return "operational_space";
     case Law::resolved_acceleration:

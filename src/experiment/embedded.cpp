@@ -1,8 +1,10 @@
 #include "experiment/embedded.hpp"
 
 #include <algorithm>
+#include <sstream>
 
 #include "experiment/arms.hpp"
+#include "plugin/user_law.hpp"
 
 namespace osculate {
 
@@ -50,6 +52,26 @@ Experiment embedded_experiment(const ResultTexts& texts, const std::filesystem::
   out.model.urdf_text = content(out.model.urdf, "provenance/model");
   if (auto* waypoints = std::get_if<WaypointsOptions>(&out.reference))
     waypoints->text = content(waypoints->file, "provenance/waypoints");
+  return out;
+}
+
+std::vector<std::string> controller_changes(const ResultTexts& texts, const std::filesystem::path& file,
+                                            const Experiment& experiment) {
+  const std::string path = "provenance/controller";
+  if (!texts.has(path)) return {};
+  const std::string now = fingerprint(experiment.controller.user);
+  std::vector<std::string> out;
+  std::istringstream recorded(texts.at(path));
+  for (std::string line; std::getline(recorded, line);) {
+    const auto gap = line.find("  ");
+    const std::string name = gap == std::string::npos ? "" : line.substr(gap + 2);
+    std::error_code ignored;
+    if (!std::filesystem::exists(name, ignored))
+      throw ConfigError(file.string() + ": its run needs the controller's file " + name + " (SHA-256 " +
+                        line.substr(0, gap) + "), which is not there: put it back.");
+    if (now.find(line) == std::string::npos)
+      out.push_back(name + " is not what it was, SHA-256 " + line.substr(0, gap));
+  }
   return out;
 }
 

@@ -17,6 +17,11 @@ void add_files(const Experiment& experiment, NamedFiles& files);
 Experiment embedded_experiment(const ResultTexts& texts, const std::filesystem::path& file,
                                const std::vector<std::string>& overrides = {});
 
+/// A result file holds the name and SHA-256 of the files of a law of the user's own, not the files: one
+/// sentence for each that is not what it was. Throws ConfigError where one is missing.
+std::vector<std::string> controller_changes(const ResultTexts& texts, const std::filesystem::path& file,
+                                            const Experiment& experiment);
+
 /// Whether the file is one of `osculate sweep`.
 bool is_sweep(const ResultTexts& texts);
 

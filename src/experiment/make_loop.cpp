@@ -34,6 +34,33 @@ NullSpaceOptions null_space(const NullSpaceConfig& config, const Experiment& exp
   return out;
 }
 
+std::array<double, 6> six(const Vector6& x) {
+  std::array<double, 6> out;
+  std::copy_n(x.data(), 6, out.begin());
+  return out;
+}
+
+/// What a law of the user's own is told of its arm and task.
+UserLawModel user_law_model(const Experiment& experiment, const Arms& arms, const LawOptions& law) {
+  const ArmDescription& arm = arms.description;
+  UserLawModel out;
+  out.urdf = arm.urdf_text;
+  out.base = arm.base;
+  out.tip = arm.tip;
+  out.lump_side_branches = experiment.model.choice.side_branches == SideBranches::lump;
+  std::copy_n(arms.model.gravity.data(), 3, out.gravity.begin());
+  for (const JointInfo& joint : arm.joints) out.joints.push_back(joint.name);
+  out.positions = arms.model.positions();
+  out.velocities = arms.model.velocities();
+  out.armature = experiment.model.armature;
+  out.armature.resize(static_cast<std::size_t>(out.velocities), 0.0);
+  out.rows = law.rows;
+  out.stiffness = six(law.stiffness);
+  out.damping = six(law.damping);
+  out.period = law.sampling ? law.sampling->period : 0;
+  return out;
+}
+
 LawOptions law_options(const Experiment& experiment, const Arms& arms) {
   const ControllerConfig& c = experiment.controller;
   LawOptions law;
@@ -66,6 +93,9 @@ LawOptions law_options(const Experiment& experiment, const Arms& arms) {
     law.constant_inertia =
         inertia_diagonal(arms.model, positions(arms.model, std::span<const double>(experiment.q)), c.rows,
                          base_motion(law.base_path.get(), 0));
+  if (c.law == Law::user)
+    law.user =
+        std::make_shared<const UserLawSetup>(UserLawSetup{c.user, user_law_model(experiment, arms, law)});
   return law;
 }
 
@@ -90,7 +120,13 @@ ClosedLoop make_loop(const Experiment& experiment, const Arms& arms) {
   const LawOptions law = law_options(experiment, arms);
   const Pose initial = tip_pose(arms.model, experiment.q, base_motion(law.base_path.get(), 0));
   std::shared_ptr<const Path> path = path_of(experiment.reference, initial, experiment.duration);
-  return ClosedLoop(Controller(arms.model, arms.friction, law, std::move(path), initial), arms.plant);
+  try {
+    return ClosedLoop(Controller(arms.model, arms.friction, law, std::move(path), initial), arms.plant);
+  } catch (const UserLawFailed& error) {
+    const auto place = experiment.places.find("controller.law");
+    throw ConfigError((place == experiment.places.end() ? experiment.file.string() : place->second) + ": " +
+                      error.what() + ".");
+  }
 }
 
 std::vector<double> initial_state(const Experiment& experiment, const ClosedLoop& loop) {

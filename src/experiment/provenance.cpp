@@ -127,6 +127,9 @@ std::vector<Text> provenance(const Experiment& experiment, const std::string& ur
   const auto* waypoints = std::get_if<WaypointsOptions>(&experiment.reference);
   if (waypoints && waypoints->text)
     out.insert(out.begin() + 2, {"provenance/waypoints", *waypoints->text, "file of waypoints, CSV"});
+  if (experiment.controller.law == Law::user)
+    out.insert(out.begin() + 2, {"provenance/controller", fingerprint(experiment.controller.user),
+                                 "files of the law of the user's own: SHA-256 and path"});
   return out;
 }
 

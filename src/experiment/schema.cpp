@@ -45,7 +45,7 @@ constexpr const char* other_forms = R"(
 model: {urdf: arm.urdf, tip: tool, friction: {viscous: [0], v_s: 1}}
 plant: {payload: {inertia: [1, 1, 1, 0, 0, 0]}, friction: {viscous: [0], v_s: [1]}, mass_scale: [1]}
 initial: {q: [0]}
-controller: {law: free}
+controller: {law: {process: [program]}}
 integrator: {atol: 1}
 sweep: {variants: {one: {}}}
 )";

@@ -89,7 +89,7 @@ void ClosedLoop::move(double t, const double* y) {
 
 bool ClosedLoop::same_arm_and_state() const {
   const LawOptions& law = controller_.options();
-  const bool swept = law.law == Law::operational_space || law.law == Law::textbook;
+  const bool swept = law.law == Law::operational_space || law.law == Law::textbook || law.law == Law::user;
   const bool feels_first = plant_.environment && law.know_tip_force;
   return swept && !sampled() && !law.base_path && !feels_first && !plant_.dense &&
          plant_.chain.one_axis_joints() && plant_.chain == controller_.model();
@@ -107,6 +107,8 @@ void ClosedLoop::control(double t, const double* y) {
     controller_.torque(t, q(y), qd(y), seen_.torque, seen_.tip_force);
   } catch (const SingularArm& error) {
     throw IntegrationStopped(Reason::singular, error.what());
+  } catch (const UserLawFailed& error) {
+    throw IntegrationStopped(Reason::law, error.what());
   } catch (const RepresentationSingular& error) {
     throw IntegrationStopped(Reason::singular, error.what() + at());
   } catch (const std::domain_error& error) { throw IntegrationStopped(Reason::failed, error.what() + at()); }

@@ -32,7 +32,7 @@ struct IntegratorOptions {
 
 /// Why an integration cannot go on. The states accepted so far stay valid.
 struct IntegrationStopped : std::runtime_error {
-  enum class Reason { singular, non_finite, step_too_small, failed };
+  enum class Reason { singular, non_finite, step_too_small, law /* one of your own */, failed };
   IntegrationStopped(Reason why, const std::string& what) : std::runtime_error(what), reason(why) {}
   Reason reason;
 };

@@ -53,7 +53,7 @@ Evidence& StepCheck::gather(ClosedLoop& loop, const Observation& seen, bool at_s
   e.controlled = acts && by_definition_ && !seen.command.filtered && !law.sensors;
   e.linearized = acts && linearizes_ && !seen.command.filtered && !seen.command.saturated;
   e.filtered = seen.command.filtered;
-  e.one_solve = law.law != Law::textbook;
+  e.one_solve = law.law != Law::textbook && law.law != Law::user;
   e.base = loop.base(seen.t);
   e.reach = reach_;
   assign(e.qd, seen.qd);

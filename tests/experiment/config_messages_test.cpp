@@ -118,7 +118,7 @@ TEST_CASE("bad input is refused with place and reason") {
       {4, "verify: {record: none}", "4:18", "must be all, worst or a whole number >= 1."},
       {4, "expect: {fails: [lamda]}", "4:18", "did you mean 'lambda'?"},
       {4, "expect: {fails: omega}", "4:17", "must be a list of claims"},
-      {4, "expect: {stop: crash}", "4:16", "must be singular, non_finite, step_too_small or too_many_steps"},
+      {4, "expect: {stop: crash}", "4:16", "must be singular, non_finite, step_too_small, too_many_steps or law"},
       {4, "plant: {mass_scale: [1, 0]}", "4:25", "plant.mass_scale[1] = 0: must be > 0: 1 leaves"},
       {4, "plant: {inertia_scale: 0}", "4:24", "must be > 0: 1 leaves the inertias"},
       {4, "plant: {dynamics: sparse}", "4:19", "must be recursive or dense."},

@@ -11,24 +11,25 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2] / "src"
 SEES = {
     "scalar": set(),
     "input": set(),
+    "plugin": {"input"},
     "spatial": {"scalar"},
     "model": {"scalar", "input"},
     "recursion": {"scalar", "spatial", "model"},
     "reference": {"scalar", "model"},
-    "control": {"input", "scalar", "spatial", "model", "recursion", "reference"},
+    "control": {"input", "plugin", "scalar", "spatial", "model", "recursion", "reference"},
     "simulation": {"scalar", "spatial", "model", "recursion", "control", "reference"},
     "verification": {"scalar", "spatial", "model", "recursion", "reference", "control", "simulation"},
     "paper": {"scalar", "spatial", "model", "recursion", "reference"},
     "record": {"input"},
     "judge": {"input", "model", "reference", "control", "record"},
-    "experiment": {"input", "scalar", "model", "reference", "recursion", "control", "simulation", "verification", "record", "spatial"},
+    "experiment": {"input", "plugin", "scalar", "model", "reference", "recursion", "control", "simulation", "verification", "record", "spatial"},
     "cli": {"input", "scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment", "paper", "judge"},
     "python": {"input", "scalar", "spatial", "model", "recursion", "reference", "control", "simulation", "verification",
                "record", "experiment", "judge"},
 }
 # Sight that a layer has for these files alone: a law must not lean on the oracle that checks it.
 ONLY_FOR = {
-    ("control", "reference"): {"control/textbook_laws.cpp", "control/null_space.cpp"},
+    ("control", "reference"): {"control/textbook_laws.cpp", "control/null_space.cpp", "control/user_law.cpp"},
     ("simulation", "reference"): {"simulation/dense_plant.hpp"},
 }
 # The dense side must not see fault.hpp either: a seeded fault may change no bit of it.
@@ -41,6 +42,8 @@ FENCES = {
     r"yaml-cpp": {"experiment/yaml_parse.cpp"},
     r"CLI/": {"cli/program.cpp"},
     r"(pybind11|Python)": {"python"},
+    r"osculate/controller": {"plugin", "control/user_law.cpp"},
+    r"dlfcn": {"plugin/shared_library.cpp"},
     r"boost/": {"scalar/rational.hpp", "scalar/quad.hpp", "scalar/rational_product.hpp"},
     r"quadmath": {"scalar/quad.hpp"},
 }

@@ -19,6 +19,7 @@ RUNS = {
     "puma560_frequency": [],
     "puma560_ball": ["duration=0.2"],
     "prismatic_arm_waypoints": ["duration=0.2"],
+    "puma560_your_controller": ["duration=0.01"],
 }
 
 
