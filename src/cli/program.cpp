@@ -238,6 +238,8 @@ void add_again(Entry& entry, const char* name, const char* about, const char* ou
   sub->add_option("file", options->file, "FILE.h5")->required();
   sub->add_option("-o,--output", options->output, output);
   add_force(sub, options->force);
+  sub->add_flag("--run-controller", options->run_controller,
+                "run the controller of a user's own that the file names");
   sub->add_flag("--quiet", *quiet, "no progress line");
   options->command = entry.line;
   options->signal = &caught_signal;

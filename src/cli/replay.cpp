@@ -43,6 +43,17 @@ void print_build(const ResultTexts& a, const ResultTexts& b, std::ostream& out) 
   for (const std::string& line : differences) out << "  " << line << "\n";
 }
 
+/// Throws where the law of a result file is one of a user's own and nobody has said that it may run: the file
+/// can come from anywhere.
+void require_allowed(const Experiment& experiment, const AgainOptions& options) {
+  const UserLawOptions& law = experiment.controller.user;
+  if (experiment.controller.law != Law::user || options.run_controller) return;
+  std::string name = law.plugin;
+  for (const auto& word : law.process) name += (name.empty() ? "" : " ") + word;
+  throw ConfigError(options.file.string() + ": its run had a controller of its own, '" + name +
+                    "', which would run with your rights: give --run-controller if you trust it.");
+}
+
 /// Throws where a file of the controller is missing.
 void print_controller(const ResultTexts& texts, const path& file, const Experiment& experiment,
                       std::ostream& out) {
@@ -59,7 +70,8 @@ Exit tell(const Comparison& comparison, const path& a, const path& b, std::ostre
 bool stopped_by_signal(Exit exit) { return exit == Exit::interrupted || exit == Exit::terminated; }
 
 /// The exit code of the run, not of the comparison.
-Exit run_again(const ResultTexts& texts, const AgainOptions& options, const path& output, bool force) {
+Exit run_again(const ResultTexts& texts, const AgainOptions& options, const path& output, bool force,
+               std::ostream& out) {
   if (is_sweep(texts)) {
     SweepOptions sweeping;
     sweeping.output = output;
@@ -71,7 +83,9 @@ Exit run_again(const ResultTexts& texts, const AgainOptions& options, const path
         options.progress(t, duration, wall);
       };
     const auto read = [&](const std::vector<std::string>& overrides) {
-      return embedded_experiment(texts, options.file, overrides);
+      Experiment variant = embedded_experiment(texts, options.file, overrides);
+      require_allowed(variant, options);
+      return variant;
     };
     return sweep({options.file.string(), read}, {}, sweeping).exit;
   }
@@ -81,7 +95,10 @@ Exit run_again(const ResultTexts& texts, const AgainOptions& options, const path
   running.command = options.command;
   running.signal = options.signal;
   running.progress = options.progress;
-  return run(embedded_experiment(texts, options.file), running).exit;
+  const Experiment experiment = embedded_experiment(texts, options.file);
+  require_allowed(experiment, options);
+  print_controller(texts, options.file, experiment, out);
+  return run(experiment, running).exit;
 }
 
 void end_progress(const AgainOptions& options, std::ostream& messages) {
@@ -96,8 +113,7 @@ Exit replay(const AgainOptions& options, std::ostream& out, std::ostream& messag
   std::optional<TemporaryDirectory> temporary;
   if (!keep) temporary.emplace();
   const path output = keep ? options.output : temporary->where() / "replay.h5";
-  print_controller(texts, options.file, embedded_experiment(texts, options.file), out);
-  const Exit exit = run_again(texts, options, output, options.force);
+  const Exit exit = run_again(texts, options, output, options.force, out);
   end_progress(options, messages);
   if (stopped_by_signal(exit)) {
     messages << "osculate: interrupted: nothing was compared\n";
@@ -144,6 +160,7 @@ Exit resume(const AgainOptions& options, std::ostream& out, std::ostream& messag
     throw ConfigError(options.file.string() +
                       ": its sampled law is one of your own, and what that remembers is not in the file: run "
                       "the experiment again.");
+  require_allowed(experiment, options);
   print_controller(texts, options.file, experiment, out);
 
   RunOptions running;

@@ -15,6 +15,7 @@ struct AgainOptions {
   std::filesystem::path file;                                            // result file to begin with
   std::filesystem::path output;                                          // empty: see each command
   bool force = false;                                                    // overwrite
+  bool run_controller = false;                                           // one of the user's own, too
   std::string command;                                                   // for the provenance
   const volatile std::sig_atomic_t* signal = nullptr;                    // non-zero: stop
   std::function<void(double t, double duration, double wall)> progress;  // or none

@@ -19,17 +19,17 @@ using yaml::Setting;
 
 /// A law of the user's own: a map in place of a word.
 UserLawOptions read_user_law(const Setting& setting, const std::filesystem::path& directory) {
-  const Map map(
-      setting,
-      {{"plugin", "",
-        "a shared library with the interface of `include/osculate/controller.h`, or [a law of your "
-        "own](your-controller.md) as"},
-       {"process", "", "a program and its arguments, [p, a, b], that answers lines of JSON. One of the two"},
-       {"directory", "", "where the program runs", "the experiment's"},
-       {"options", "", "a text for the law"},
-       {"terms", "", "the law is given M, C, G, J and Jdot qd"},
-       {"time_limit", "s", "for each answer, > 0"},
-       {"start_limit", "s", "until it is ready, > 0"}});
+  const Map map(setting,
+                {{"plugin", "",
+                  "[a law of your own](your-controller.md): a shared library with the interface of "
+                  "`include/osculate/controller.h`"},
+                 {"process", "",
+                  "in its place a program and its arguments, [program, a, b], that answers lines of JSON"},
+                 {"directory", "", "where the program runs", "the experiment's"},
+                 {"options", "", "a text for the law"},
+                 {"terms", "", "the law is given M, C, G, J and Jdot qd"},
+                 {"time_limit", "s", "for each answer, > 0"},
+                 {"start_limit", "s", "until it is ready, > 0"}});
   UserLawOptions out;
   std::string plugin, where = ".";
   const auto library = map.at("plugin"), program = map.at("process");
@@ -40,12 +40,10 @@ UserLawOptions read_user_law(const Setting& setting, const std::filesystem::path
   read(map.at("directory"), where);
   read(map.at("options"), out.options);
   read(map.at("terms"), out.terms);
-  const std::string note = "1 is enough for most";
   read(map.at("time_limit"), out.time_limit,
-       {.low = 0, .low_open = true, .high = user_law_seconds, .note = note});
+       {.low = 0, .low_open = true, .high = user_law_seconds, .note = "1 is enough for most"});
   read(map.at("start_limit"), out.start_limit,
        {.low = 0, .low_open = true, .high = user_law_seconds, .note = "30 is enough for most"});
-  if (!setting.given()) return out;
   if (library.given() == program.given() || (program.given() && out.process.empty()))
     fail(setting, "give either plugin, a shared library, or process, a program and its arguments.");
   if (!plugin.empty()) out.plugin = resolve(directory, plugin).string();

@@ -338,12 +338,16 @@ class Again(unittest.TestCase):
             self.assertEqual(file["provenance/controller"].asstr()[()], f"{digest}  {library}\n")
             self.assertIn(str(library), file["provenance/experiment"].asstr()[()])
         done = call("replay", out)
+        self.assertEqual(done.returncode, 2, done.stdout)
+        self.assertIn(f"its run had a controller of its own, '{library}', which would run with your rights", done.stderr)
+        done = call("replay", out, "--run-controller")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertNotIn("has changed", done.stdout)
         library.write_bytes(LAWS.read_bytes())
-        self.assertIn(f"the controller has changed: {library} is not what it was, SHA-256 {digest}", call("replay", out).stdout)
+        self.assertIn(f"the controller has changed: {library} is not what it was, SHA-256 {digest}",
+                      call("replay", out, "--run-controller").stdout)
         library.unlink()
-        done = call("replay", out)
+        done = call("replay", out, "--run-controller")
         self.assertEqual(done.returncode, 2, done.stdout)
         self.assertRegex(done.stderr, f"needs the controller's file {library} .*which is not there")
 
@@ -373,7 +377,8 @@ class Again(unittest.TestCase):
         library.unlink()
         library.write_bytes(EXAMPLE_C.read_bytes())  # the same law, which does not look at its options
         self.assertEqual(run(PUMA, law, restart, out=whole).returncode, 0)
-        done = call("resume", stopped, "-o", resumed)
+        self.assertEqual(call("resume", stopped, "-o", resumed).returncode, 2)
+        done = call("resume", stopped, "-o", resumed, "--run-controller")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("the controller has changed", done.stdout)
         self.assertIn("resumed from the restart point at t = 0.04 s", done.stdout)
