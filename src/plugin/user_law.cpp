@@ -61,7 +61,7 @@ class UserLaw::Helper {
       : setup_(setup), process_([&setup](int socket) {
           return setup.law.plugin.empty() ? become_program(socket, setup.law) : serve_library(socket, setup);
         }) {
-    deadline_ = in(setup.law.start_limit);
+    deadline_ = after(setup.law.start_limit);
     if (is_library()) {
       const LibraryReply reply = receive_reply();
       if (reply.status != LibraryReply::fine) throw UserLawFailed(reply.message);
@@ -76,30 +76,29 @@ class UserLaw::Helper {
     }
   }
 
-  void torque(const osculate_controller_input& in_, UserLawAnswer& out) {
-    const auto velocities = static_cast<std::size_t>(in_.velocities),
-               rows = static_cast<std::size_t>(in_.rows);
-    deadline_ = in(setup_.law.time_limit);
-    out.u.assign(in_.u, in_.u + rows);
-    out.null_space_torque.assign(in_.null_space_torque, in_.null_space_torque + velocities);
+  void torque(const osculate_controller_input& in, UserLawAnswer& out) {
+    const auto velocities = static_cast<std::size_t>(in.velocities), rows = static_cast<std::size_t>(in.rows);
+    deadline_ = after(setup_.law.time_limit);
+    out.u.assign(in.u, in.u + rows);
+    out.null_space_torque.assign(in.null_space_torque, in.null_space_torque + velocities);
     if (is_library())
-      ask_library(in_, out, velocities);
+      ask_library(in, out, velocities);
     else
-      ask_program(in_, out);
+      ask_program(in, out);
     require("torque", out.torque, velocities, "velocity coordinate");
     require("u", out.u, rows, "task row");
     require("null_space_torque", out.null_space_torque, velocities, "velocity coordinate");
   }
 
  private:
-  static HelperProcess::Deadline in(double seconds) {
+  static HelperProcess::Deadline after(double seconds) {
     return std::chrono::steady_clock::now() +
            std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(seconds));
   }
   bool is_library() const { return !setup_.law.plugin.empty(); }
 
-  void ask_library(const osculate_controller_input& question_, UserLawAnswer& out, std::size_t velocities) {
-    const std::vector<char> bytes = packed(question_);
+  void ask_library(const osculate_controller_input& in, UserLawAnswer& out, std::size_t velocities) {
+    const std::vector<char> bytes = packed(in);
     process_.send(bytes.data(), bytes.size(), deadline_);
     const LibraryReply reply = receive_reply();
     if (reply.status == LibraryReply::refused) throw Refusal(reply.message);
@@ -111,11 +110,11 @@ class UserLaw::Helper {
       receive(reinterpret_cast<char*>(numbers->data()), numbers->size() * sizeof(double));
   }
 
-  void ask_program(const osculate_controller_input& question_, UserLawAnswer& out) {
+  void ask_program(const osculate_controller_input& in, UserLawAnswer& out) {
     if (!pending_.empty())
       throw BadAnswer("has printed more than one line for one question",
                       "print one answer for each line that it reads, and nothing else to standard output");
-    const std::string line = question(question_);
+    const std::string line = question(in);
     process_.send(line.data(), line.size(), deadline_);
     read_answer(receive_line(), out);
   }
@@ -267,7 +266,7 @@ const UserLawAnswer& UserLaw::torque(const osculate_controller_input& in) {
     fail(*setup_, std::string(error.what()) + " " + when, error.remedy);
   } catch (const Refusal& error) {
     const std::string why = error.what();
-    fail(*setup_, "refuses to go on " + when, why.empty() ? "it gives no reason" : why);
+    for_good([&] { fail(*setup_, "refuses to go on " + when, why.empty() ? "it gives no reason" : why); });
   } catch (const BadAnswer& error) {
     for_good([&] { fail(*setup_, std::string(error.what()) + " " + when, error.remedy); });
   } catch (const HelperLate&) {
