@@ -3,6 +3,7 @@ import hashlib
 import os
 import pathlib
 import re
+import signal
 import subprocess
 import tempfile
 import textwrap
@@ -204,15 +205,57 @@ class Fails(unittest.TestCase):
         mark = FOLDER / "mark.py"
         mark.write_text("import sys, time\nsys.stdin.readline()\nprint('{\"protocol\": 1}', flush=True)\ntime.sleep(1000)\n")
         self.check(f"process: [{PYTHON}, {mark}], time_limit: 0.3", "gave no answer")
-        running = [p for p in pathlib.Path("/proc").glob("[0-9]*/cmdline") if str(mark).encode() in _read(p)]
-        self.assertEqual(running, [])
+        self.assertEqual(running(mark), 0)
 
 
-def _read(path):
-    try:
-        return path.read_bytes()
-    except OSError:
-        return b""
+def running(script):
+    """How many programs have its name in their command line."""
+    def line(path):
+        try:
+            return path.read_bytes()
+        except OSError:
+            return b""
+    return sum(str(script).encode() in line(path) for path in pathlib.Path("/proc").glob("[0-9]*/cmdline"))
+
+
+def until(true):
+    end = time.monotonic() + 20
+    while not true() and time.monotonic() < end:
+        time.sleep(0.02)
+    return true()
+
+
+class Signals(unittest.TestCase):
+    def start(self, script):
+        """A long run with a program, in a session of its own as under a terminal; returns when it has recorded rows."""
+        out = FOLDER / f"{script.stem}.h5"
+        run = subprocess.Popen([PROGRAM, "run", PUMA, "-o", out, "--quiet", "--set", "duration=1000", "--set",
+                                f"controller.law={{process: [{PYTHON}, {script}], terms: true}}"],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+        self.addCleanup(run.wait)
+        self.addCleanup(run.kill)
+        self.assertTrue(until(lambda: out.exists() and out.stat().st_size > 100_000))
+        return run, out
+
+    def example(self, name):
+        script = FOLDER / name
+        script.write_text(EXAMPLE.read_text())
+        return script
+
+    def test_ctrl_c_finishes_the_file_and_does_not_reach_the_controller(self):
+        run, out = self.start(self.example("interrupted.py"))
+        os.killpg(run.pid, signal.SIGINT)
+        self.assertEqual(run.wait(timeout=30), 130)
+        with h5py.File(out) as file:
+            self.assertEqual(file.attrs["status"], "interrupted")
+
+    def test_the_controller_ends_when_osculate_is_killed(self):
+        script = self.example("orphan.py")
+        run, _ = self.start(script)
+        self.assertEqual(running(script), 1 + 1)  # itself, and its name in the command line of osculate
+        run.kill()
+        run.wait()
+        self.assertTrue(until(lambda: running(script) == 0))
 
 
 class Refused(unittest.TestCase):
