@@ -51,6 +51,7 @@ int osculate_controller_torque(void* self, const osculate_controller_input* in, 
   }
   factor(m, Omega);
   solve(m, Omega, F); /* Lambda u + c + g */
+  for (int i = 0; i < m; ++i) F[i] -= in->tip_force[in->row[i]]; /* zero if it is not known */
   for (int k = 0; k < n; ++k) {
     out->torque[k] = 0;
     for (int i = 0; i < m; ++i) out->torque[k] += in->J[i * n + k] * F[i];

@@ -74,10 +74,14 @@ class Right(unittest.TestCase):
         for claim in ("torque", "linearization", "analytic_response"):
             self.assertEqual(result(done.stdout, claim), "pass", claim)
 
-    def test_friction_and_armature_stay_ours(self):
-        done = run(ROOT / "experiments" / "puma560_circle.yaml", plugin("right"))
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.assertEqual(result(done.stdout, "linearization"), "pass")
+    def test_friction_armature_a_moving_base_and_a_wall(self):
+        for name, duration, settings in (("puma560_circle", SHORT, ()), ("puma560_impedance", 1, ()),
+                                         ("arm7_moving_base", SHORT, ("controller.null_space={}",))):
+            with self.subTest(name):
+                done = run(ROOT / "experiments" / f"{name}.yaml", plugin("right"), *settings, duration=duration)
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                self.assertEqual(result(done.stdout, "torque"), "pass")
+                self.assertEqual(result(done.stdout, "linearization"), "pass")
 
     def test_a_null_space_of_ours_or_its_own_is_judged(self):
         for kind, settings in (("right", ()), ("own_null_space", ("controller.null_space={}",))):
