@@ -152,7 +152,7 @@ Exit print_judgement(const JudgeArguments& arguments, std::ostream& out, std::os
   if (arguments.json) {
     write_json(out, judgement);
   } else {
-    out << report(judgement, log);
+    out << report(judgement, log.source);
   }
   return judgement.ruling == Ruling::right ? Exit::ok : Exit::claim_failed;
 }

@@ -317,9 +317,9 @@ Judgement judge(const Chain<double>& model, const Log& log, const JudgeOptions& 
   return out;
 }
 
-std::string report(const Judgement& j, const Log& log) {
+std::string report(const Judgement& j, const std::string& source) {
   std::ostringstream out;
-  out << log.source << ": " << log.samples() << " samples, " << j.samples << " used";
+  out << source << ": " << j.samples << " samples used";
   if (j.left_out > 0)
     out << ", " << j.left_out << " left out (singular, saturated, or at the ends of a delay)";
   out << "\ndifference from the exact torque: " << number(j.difference) << " rms; noise of the log "

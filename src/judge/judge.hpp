@@ -72,7 +72,7 @@ struct Judgement {
 /// Throws LogError where the log cannot decide how it is to be read.
 Judgement judge(const Chain<double>& model, const Log& log, const JudgeOptions& options = {});
 
-/// The judgement in words.
-std::string report(const Judgement& judgement, const Log& log);
+/// The judgement in words; `source` names the log.
+std::string report(const Judgement& judgement, const std::string& source);
 
 }  // namespace osculate

@@ -48,6 +48,9 @@ struct Log {
   Eigen::Index samples() const { return static_cast<Eigen::Index>(t.size()); }
 };
 
+/// Throws LogError, with the number of the sample, where times do not increase or a number is not finite.
+void check(const Log& log);
+
 /// Reads a CSV file with a header (docs/judge.md has the names of the columns), or an HDF5 file with one
 /// dataset for each of them, or a result file of `osculate run`. `joints` are the names of the model's
 /// joints, base to tip; `task_rows` the number of controlled rows. Throws LogError and FileError.

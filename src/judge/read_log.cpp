@@ -135,6 +135,19 @@ std::optional<LoggedReference> reference(const Columns& columns, bool from_oscul
 
 }  // namespace
 
+void check(const Log& log) {
+  for (std::size_t k = 0; k < log.t.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const std::string place = log.source + ": sample " + std::to_string(k + 1);
+    if (!std::isfinite(log.t[k]) || (k > 0 && !(log.t[k] > log.t[k - 1])))
+      throw LogError(place + ": t = " + std::to_string(log.t[k]) +
+                     " s does not follow the one before it; give the "
+                     "samples in the order of time");
+    if (!log.q.row(row).allFinite() || !log.qd.row(row).allFinite() || !log.tau.row(row).allFinite())
+      throw LogError(place + ": q, qd or tau is not finite; leave such samples out");
+  }
+}
+
 Log read_log(const std::filesystem::path& file, const Chain<double>& model,
              const std::vector<std::string>& joints, std::size_t task_rows) {
   const bool hdf5 = is_hdf5(file);
@@ -182,16 +195,7 @@ Log read_log(const std::filesystem::path& file, const Chain<double>& model,
           "ref_qw ... ref_qz, ref_wx ... ref_vz, ref_alphax ... ref_az. Without either any torque could "
           "be right");
   }
-  for (std::size_t k = 0; k < out.t.size(); ++k) {
-    const auto row = static_cast<Eigen::Index>(k);
-    const std::string place = source + ": sample " + std::to_string(k + 1);
-    if (!std::isfinite(out.t[k]) || (k > 0 && !(out.t[k] > out.t[k - 1])))
-      throw LogError(place + ": t = " + std::to_string(out.t[k]) +
-                     " s does not follow the one before it; give the "
-                     "samples in the order of time");
-    if (!out.q.row(row).allFinite() || !out.qd.row(row).allFinite() || !out.tau.row(row).allFinite())
-      throw LogError(place + ": q, qd or tau is not finite; leave such samples out");
-  }
+  check(out);
   return out;
 }
 

@@ -30,22 +30,6 @@ struct Terms {
 
 using RowNames = std::optional<std::vector<std::string>>;
 
-TaskRows task_rows(const RowNames& names) {
-  if (!names) return all_rows();
-  TaskRows rows;
-  for (const auto& name : *names) {
-    const auto found = std::find(task_row_names.begin(), task_row_names.end(), name);
-    if (found == task_row_names.end())
-      throw py::value_error("rows: '" + name + "' is no task row: choose from wx, wy, wz, vx, vy, vz");
-    const int row = static_cast<int>(found - task_row_names.begin());
-    if (std::find(rows.begin(), rows.end(), row) != rows.end())
-      throw py::value_error("rows: '" + name + "' is given twice");
-    rows.push_back(row);
-  }
-  if (rows.empty()) throw py::value_error("rows is empty: give at least one of wx, wy, wz, vx, vy, vz");
-  return rows;
-}
-
 /// An arm of a URDF file with the states it is asked about.
 class PythonChain {
  public:
@@ -225,6 +209,24 @@ ChainChoice choice(const std::string& tip, const std::string& base, const py::ob
 }
 
 }  // namespace
+
+const Chain<double>& chain_of(const py::object& chain) { return chain.cast<const PythonChain&>().chain(); }
+
+TaskRows task_rows(const RowNames& names) {
+  if (!names) return all_rows();
+  TaskRows rows;
+  for (const auto& name : *names) {
+    const auto found = std::find(task_row_names.begin(), task_row_names.end(), name);
+    if (found == task_row_names.end())
+      throw py::value_error("rows: '" + name + "' is no task row: choose from wx, wy, wz, vx, vy, vz");
+    const int row = static_cast<int>(found - task_row_names.begin());
+    if (std::find(rows.begin(), rows.end(), row) != rows.end())
+      throw py::value_error("rows: '" + name + "' is given twice");
+    rows.push_back(row);
+  }
+  if (rows.empty()) throw py::value_error("rows is empty: give at least one of wx, wy, wz, vx, vy, vz");
+  return rows;
+}
 
 void bind_chain(py::module_& module) {
   using namespace py::literals;

@@ -3,6 +3,7 @@
 #include "experiment/config.hpp"
 #include "experiment/provenance.hpp"
 #include "experiment/run.hpp"
+#include "judge/log.hpp"
 #include "python/bindings.hpp"
 #include "record/result_file.hpp"
 
@@ -20,12 +21,14 @@ PYBIND11_MODULE(_core, module) {
     module.attr(name) = made;
     return made.release();  // lives as long as the interpreter
   };
-  static py::handle base, of_model, of_config, of_file, singular, stopped;  // the translator needs them
+  static py::handle base, of_model, of_config, of_file, of_log, singular,
+      stopped;  // the translator needs them
   base = error("Error", PyExc_Exception, Exit::bad_input,
                "What osculate refuses; exit_code is that of the program.");
   of_model = error("ModelError", base, Exit::bad_input, "A model file that cannot be used.");
   of_config = error("ConfigError", base, Exit::bad_input, "An experiment that cannot be used.");
   of_file = error("FileError", base, Exit::io_failure, "A result file that cannot be read or written.");
+  of_log = error("LogError", base, Exit::bad_input, "A log that cannot be judged.");
   singular = error("SingularArm", base, Exit::stopped, "No finite force gives the commanded acceleration.");
   stopped = error("Stopped", base, Exit::stopped, "The integration cannot go on.");
   py::register_exception_translator([](std::exception_ptr thrown) {
@@ -36,12 +39,13 @@ PYBIND11_MODULE(_core, module) {
       set(of_config, e);
     } catch (const ReferenceError& e) { set(of_config, e); } catch (const FileError& e) {
       set(of_file, e);
-    } catch (const SingularArm& e) { set(singular, e); } catch (const IntegrationStopped& e) {
-      set(stopped, e);
-    }
+    } catch (const LogError& e) { set(of_log, e); } catch (const SingularArm& e) {
+      set(singular, e);
+    } catch (const IntegrationStopped& e) { set(stopped, e); }
   });
 
   module.def("version", &version_text, "Version and commit of osculate, versions of its libraries.");
   python::bind_chain(module);
   python::bind_experiment(module);
+  python::bind_judge(module);
 }

@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
     const JudgedArm arm = judged_arm(argv[1]);
     const Log log = simulate(arm, Mistakes(argv + 2, argv + argc),
                              {.in_charge = !turned(Mistakes(argv + 2, argv + argc))});
-    std::cout << report(judge(arm.chain, log, options_for(arm)), log);
+    std::cout << report(judge(arm.chain, log, options_for(arm)), log.source);
     return 0;
   }
   std::vector<Mistakes> cases{{}};
