@@ -395,5 +395,46 @@ class Description(unittest.TestCase):
         self.assertGreaterEqual(compared, 10)
 
 
+class Judge(unittest.TestCase):
+    """A controller of this test's own, evaluated along a motion of all joints."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.chain = arm("puma560", armature=[0.2] * 6)
+        cls.t = np.arange(1000) * 1e-3
+        speed, phase = np.linspace(2, 5, 6), np.arange(6)
+        cls.q = np.array([0, -0.8, 0.4, 0.3, 0.9, 0.2]) + 0.3 * np.sin(np.outer(cls.t, speed) + phase)
+        cls.qd = 0.3 * speed * np.cos(np.outer(cls.t, speed) + phase)
+        cls.u = np.sin(np.outer(cls.t, speed[::-1]) * 3 + phase)
+        terms = cls.chain.terms(cls.q, cls.qd, cls.u)
+        cls.exact = terms.dense.T
+        force = np.einsum("kij,kj->ki", terms.dense.Lambda, terms.Jdot_qd)
+        cls.without_jdot = cls.exact + np.einsum("kji,kj->ki", terms.J, force)
+
+    def test_right_and_wrong(self):
+        right = osculate.judge(self.chain, self.t, self.q, self.qd, self.exact, self.u)
+        self.assertEqual((right.ruling, right.findings), ("right", []))
+        wrong = osculate.judge(self.chain, self.t, self.q, self.qd, self.without_jdot, self.u)
+        self.assertEqual(wrong.ruling, "wrong")
+        self.assertEqual([f.term for f in wrong.findings], ["jdot_qd"])
+        self.assertAlmostEqual(wrong.findings[0].coefficients[0].value, -1, places=6)
+        self.assertIn("omits J* Lambda Jdot qd", wrong.report)
+
+    def test_order_of_u_and_bad_arguments(self):
+        linear_first = np.hstack([self.u[:, 3:], self.u[:, :3]])
+        found = osculate.judge(self.chain, self.t, self.q, self.qd, self.without_jdot, linear_first, u_order=None)
+        self.assertEqual([f.term for f in found.findings], ["jdot_qd"])
+        self.assertIn("linear rows first", found.conventions[0])
+        for change, words in (({"tau": self.exact[:, :5]}, "tau has shape (1000, 5): give (1000, 6)"),
+                              ({"u": None}, "give either u or reference"),
+                              ({"u_order": "first"}, "u_order is 'first': choose 'angular', 'linear' or None"),
+                              ({"viscous": [1.0]}, "viscous has 1 numbers: give 6")):
+            arguments = {"tau": self.exact, "u": self.u} | change
+            with self.assertRaisesRegex(ValueError, re.escape(words)):
+                osculate.judge(self.chain, self.t, self.q, self.qd, **arguments)
+        with self.assertRaisesRegex(osculate.LogError, "sample 2"):
+            osculate.judge(self.chain, 0 * self.t, self.q, self.qd, self.exact, self.u)
+
+
 if __name__ == "__main__":
     sys.exit(unittest.main(verbosity=1))
