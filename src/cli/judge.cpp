@@ -3,7 +3,7 @@
 #include <ostream>
 
 #include "cli/json.hpp"
-#include "cli/terms.hpp"
+#include "cli/lists.hpp"
 #include "experiment/arms.hpp"
 #include "experiment/embedded.hpp"
 #include "judge/judge.hpp"

@@ -15,7 +15,9 @@
 #include "cli/guarded.hpp"
 #include "cli/info.hpp"
 #include "cli/judge.hpp"
+#include "cli/lists.hpp"
 #include "cli/paper.hpp"
+#include "cli/reference.hpp"
 #include "cli/replay.hpp"
 #include "cli/terms.hpp"
 #include "experiment/provenance.hpp"
@@ -229,6 +231,28 @@ void add_judge(Entry& entry) {
   });
 }
 
+void add_reference(Entry& entry) {
+  CLI::App* sub =
+      entry.parser("reference", "all terms at seeded states, to the last bit, for tests of others");
+  const auto arm = std::make_shared<ModelArguments>();
+  const auto options = std::make_shared<ReferenceOptions>();
+  arm->add_to(sub, true);
+  arm->add_gravity_to(sub);
+  sub->add_option("--states", options->states, "how many; the first is at rest, the second nearly singular")
+      ->required()
+      ->check(CLI::Range(2, 1000000));
+  sub->add_option("--seed", options->seed, "start of the random numbers; default 1");
+  sub->add_option("--rows", options->rows, "task rows, for instance vx,vy,vz; default all six");
+  sub->add_option("--armature", options->armature, "rotor inertia of each joint, base to tip; default 0");
+  sub->add_option("-o,--output", options->output, "FILE.h5 or FILE.json")->required();
+  add_force(sub, options->force);
+  entry.add(sub, [=] {
+    options->model = arm->model;
+    options->choice = arm->chosen();
+    return reference(*options, std::cout, std::cerr);
+  });
+}
+
 /// replay and resume.
 void add_again(Entry& entry, const char* name, const char* about, const char* output,
                Exit (*act)(const AgainOptions&, std::ostream&, std::ostream&)) {
@@ -324,6 +348,7 @@ int osculate::program(int argc, char** argv) {
   add_info(entry);
   add_paper(entry);
   add_judge(entry);
+  add_reference(entry);
   add_schema(entry);
   add_recover(entry);
   add_again(entry, "replay", "run again from a result file alone, compare bit for bit", "keep the new result",

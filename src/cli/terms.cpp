@@ -1,6 +1,5 @@
 #include "cli/terms.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <iomanip>
@@ -8,53 +7,13 @@
 #include <sstream>
 
 #include "cli/json.hpp"
+#include "cli/lists.hpp"
 #include "experiment/arms.hpp"
 #include "input/limits.hpp"
 #include "input/read_text.hpp"
 #include "verification/state_terms.hpp"
 
 namespace osculate {
-
-namespace {
-
-constexpr const char* row_names[] = {"wx", "wy", "wz", "vx", "vy", "vz"};
-
-}  // namespace
-
-std::vector<double> parse_list(const std::string& text, const std::string& what) {
-  std::vector<double> out;
-  std::size_t from = 0;
-  while (from <= text.size()) {
-    const std::size_t to = std::min(text.find(',', from), text.size());
-    std::string item = text.substr(from, to - from);
-    item.erase(0, item.find_first_not_of(" \t"));
-    item.erase(item.find_last_not_of(" \t\r") + 1);
-    double value = 0;
-    const char* begin = item.data() + (item.rfind('+', 0) == 0 ? 1 : 0);
-    const auto [end, error] = std::from_chars(begin, item.data() + item.size(), value);
-    if (item.empty() || error != std::errc() || end != item.data() + item.size() || !std::isfinite(value))
-      throw ConfigError(what + ": entry " + std::to_string(out.size() + 1) + " is '" + item +
-                        "': give finite numbers separated by commas");
-    out.push_back(value);
-    from = to + 1;
-  }
-  return out;
-}
-
-std::vector<int> parse_rows(const std::string& text) {
-  if (text.empty()) return dense::all_rows();
-  std::vector<int> rows;
-  std::istringstream items(text);
-  for (std::string item; std::getline(items, item, ',');) {
-    int row = 0;
-    while (row < 6 && item != row_names[row]) ++row;
-    if (row == 6) throw ConfigError("--rows: '" + item + "' is no task row: choose from wx,wy,wz,vx,vy,vz");
-    if (std::find(rows.begin(), rows.end(), row) != rows.end())
-      throw ConfigError("--rows: '" + item + "' is given twice");
-    rows.push_back(row);
-  }
-  return rows;
-}
 
 namespace {
 
@@ -223,13 +182,6 @@ void write_text(std::ostream& out, const ArmDescription& arm, const StateTerms& 
 }
 
 }  // namespace
-
-Vector3<double> parse_vector3(const std::string& text, const std::string& what) {
-  const std::vector<double> values = parse_list(text, what);
-  if (values.size() != 3)
-    throw ConfigError(what + " has " + std::to_string(values.size()) + " entries, needs 3: X,Y,Z");
-  return {values[0], values[1], values[2]};
-}
 
 Exit terms(const TermsOptions& options, std::ostream& out, std::ostream& messages) {
   const ArmDescription arm = load_urdf(options.model, options.choice);

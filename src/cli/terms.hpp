@@ -23,11 +23,4 @@ struct TermsOptions {
 /// Prints to `out`, warnings to `messages`. Throws ModelError or ConfigError.
 Exit terms(const TermsOptions& options, std::ostream& out, std::ostream& messages);
 
-/// "1,2,3" as numbers; `what` names the list in the ConfigError.
-std::vector<double> parse_list(const std::string& text, const std::string& what);
-/// "vx,vy,vz" as task rows; empty: all six. Throws ConfigError.
-std::vector<int> parse_rows(const std::string& text);
-/// "X,Y,Z" as a vector; `what` names it in the ConfigError.
-Vector3<double> parse_vector3(const std::string& text, const std::string& what);
-
 }  // namespace osculate

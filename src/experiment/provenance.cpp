@@ -99,10 +99,11 @@ std::string now() {
 
 }  // namespace
 
+std::string version() { return OSCULATE_VERSION " (commit " OSCULATE_COMMIT ")"; }
+
 std::string version_text() {
-  return "osculate " OSCULATE_VERSION " (commit " OSCULATE_COMMIT ")\nSUNDIALS " + sundials_version() +
-         "\nHDF5 " + hdf5_version() + "\nEigen " + eigen_version() +
-         "\nurdfdom " OSCULATE_URDFDOM "\nyaml-cpp " OSCULATE_YAML_CPP "\n";
+  return "osculate " + version() + "\nSUNDIALS " + sundials_version() + "\nHDF5 " + hdf5_version() +
+         "\nEigen " + eigen_version() + "\nurdfdom " OSCULATE_URDFDOM "\nyaml-cpp " OSCULATE_YAML_CPP "\n";
 }
 
 std::vector<Text> provenance(const Experiment& experiment, const std::string& urdf_text,

@@ -7,6 +7,7 @@
 #include "control/rotation.hpp"
 #include "control/singular_task.hpp"
 #include "experiment/provenance.hpp"
+#include "model/coordinate_names.hpp"
 
 namespace osculate {
 
@@ -21,44 +22,6 @@ std::vector<std::string> halves(const std::string& angular, const std::string& l
   return {angular, angular, angular, linear, linear, linear};
 }
 
-/// Names of a joint's position coordinates with their units; of one coordinate, the joint's name.
-std::vector<std::pair<std::string, std::string>> position_coordinates(const JointInfo& joint) {
-  const auto named = [&joint](std::vector<std::pair<std::string, std::string>> list) {
-    for (auto& entry : list) entry.first = joint.name + "." + entry.first;
-    return list;
-  };
-  switch (joint.type) {
-    case JointType::revolute:
-      return {{joint.name, "rad"}};
-    case JointType::prismatic:
-      return {{joint.name, "m"}};
-    case JointType::cylindrical:
-      return named({{"angle", "rad"}, {"displacement", "m"}});
-    case JointType::universal:
-      return named({{"angle1", "rad"}, {"angle2", "rad"}});
-    case JointType::planar:
-      return named({{"x", "m"}, {"y", "m"}, {"angle", "rad"}});
-    case JointType::spherical:
-      return named({{"qw", "1"}, {"qx", "1"}, {"qy", "1"}, {"qz", "1"}});
-    case JointType::floating:
-      return named({{"qw", "1"}, {"qx", "1"}, {"qy", "1"}, {"qz", "1"}, {"x", "m"}, {"y", "m"}, {"z", "m"}});
-  }
-  return {};
-}
-
-/// Names of its velocity coordinates, and whether they are angular.
-std::vector<std::pair<std::string, bool>> velocity_coordinates(const JointInfo& joint) {
-  std::vector<std::pair<std::string, bool>> out;
-  if (joint.type == JointType::spherical || joint.type == JointType::floating) {
-    for (const char* name : {"wx", "wy", "wz"}) out.emplace_back(joint.name + "." + name, true);
-    if (joint.type == JointType::floating)
-      for (const char* name : {"vx", "vy", "vz"}) out.emplace_back(joint.name + "." + name, false);
-    return out;
-  }
-  for (const auto& [name, unit] : position_coordinates(joint)) out.emplace_back(name, unit == "rad");
-  return out;
-}
-
 bool makes_restart_points(const Experiment& experiment) {
   const double interval = experiment.output.restart_interval;
   return interval > 0 && interval < experiment.duration;
@@ -68,30 +31,17 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
   Layout layout;
   layout.title = experiment.name;
 
-  std::vector<std::string> names, position_names, velocity_names, position_units, velocity_units,
-      acceleration_units, effort_units, rows;
-  for (const auto& joint : arms.description.joints) {
-    names.push_back(joint.name);
-    for (const auto& [name, unit] : position_coordinates(joint)) {
-      position_names.push_back(name);
-      position_units.push_back(unit);
-    }
-    for (const auto& [name, turns] : velocity_coordinates(joint)) {
-      velocity_names.push_back(name);
-      velocity_units.push_back(turns ? "rad/s" : "m/s");
-      acceleration_units.push_back(turns ? "rad/s^2" : "m/s^2");
-      effort_units.push_back(turns ? "N m" : "N");
-    }
-  }
+  const CoordinateNames joint_coordinates = coordinate_names(arms.description.joints);
+  std::vector<std::string> rows;
   for (const int row : experiment.controller.rows)
     rows.push_back(spatial_labels[static_cast<std::size_t>(row)]);
 
   layout.axes = {
       {"time", {}, "s", "time of the recorded instants"},
       {"step", {}, "1", "number of the accepted integrator step"},
-      {"joint", names, "", "joints, base to tip"},
-      {"position_coordinate", position_names, "", "joint position coordinates, base to tip"},
-      {"velocity_coordinate", velocity_names, "", "joint velocity coordinates, base to tip"},
+      {"joint", joint_coordinates.joints, "", "joints, base to tip"},
+      {"position_coordinate", joint_coordinates.positions, "", "joint position coordinates, base to tip"},
+      {"velocity_coordinate", joint_coordinates.velocities, "", "joint velocity coordinates, base to tip"},
       {"spatial", spatial_labels, "", "spatial components, angular first, base frame, about the tip point"},
       {"spatial_column", spatial_labels, "", "columns of a spatial matrix"},
       {"xyz", xyz_labels, "", "components in the base frame"},
@@ -100,10 +50,12 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
       {"principal", {"smallest", "middle", "largest"}, "", "principal directions of an ellipsoid"},
   };
   layout.lists = {
-      {"position_unit", "position_coordinate", position_units, "unit of joint positions"},
-      {"velocity_unit", "velocity_coordinate", velocity_units, "unit of joint velocities"},
-      {"acceleration_unit", "velocity_coordinate", acceleration_units, "unit of joint accelerations"},
-      {"effort_unit", "velocity_coordinate", effort_units, "unit of joint torques and forces"},
+      {"position_unit", "position_coordinate", joint_coordinates.position_units, "unit of joint positions"},
+      {"velocity_unit", "velocity_coordinate", joint_coordinates.velocity_units, "unit of joint velocities"},
+      {"acceleration_unit", "velocity_coordinate", joint_coordinates.acceleration_units,
+       "unit of joint accelerations"},
+      {"effort_unit", "velocity_coordinate", joint_coordinates.effort_units,
+       "unit of joint torques and forces"},
       {"spatial_velocity_unit", "spatial", halves("rad/s", "m/s"), "unit of spatial velocities"},
       {"spatial_acceleration_unit", "spatial", halves("rad/s^2", "m/s^2"), "unit of spatial accelerations"},
       {"spatial_force_unit", "spatial", halves("N m", "N"), "unit of spatial forces"},

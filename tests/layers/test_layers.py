@@ -22,8 +22,9 @@ SEES = {
     "paper": {"scalar", "spatial", "model", "recursion", "reference"},
     "record": {"input"},
     "judge": {"input", "model", "reference", "control", "record"},
+    "jury": {"scalar", "model", "recursion", "reference", "control", "simulation", "verification"},
     "experiment": {"input", "plugin", "scalar", "model", "reference", "recursion", "control", "simulation", "verification", "record", "spatial"},
-    "cli": {"input", "scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment", "paper", "judge"},
+    "cli": {"input", "scalar", "model", "reference", "control", "simulation", "verification", "record", "experiment", "paper", "judge", "jury"},
     "python": {"input", "scalar", "spatial", "model", "recursion", "reference", "control", "simulation", "verification",
                "record", "experiment", "judge"},
 }
