@@ -51,13 +51,6 @@ Chain<double> chain_named(const std::string& name) {
   return chain;
 }
 
-Arm arm_of(const Chain<double>& chain) {
-  Arm out{{}, chain.R_tip, chain.p_tip, chain.gravity};
-  for (const Link<double>& link : chain.links)
-    out.links.push_back({link.R_origin, link.p_origin, link.axis, link.mass, link.com, link.inertia});
-  return out;
-}
-
 std::vector<State> states(int n) {
   Random random(2026);
   const auto list = [&](double bound) {

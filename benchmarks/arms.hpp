@@ -12,8 +12,6 @@ namespace osculate::bench {
 /// puma560, arm7 (models/, rotors left out, links made solids), or random<n>: n revolute joints, axes and
 /// links arbitrary. Throws std::invalid_argument for any other name.
 Chain<double> chain_named(const std::string& name);
-/// The same numbers for a peer.
-Arm arm_of(const Chain<double>& chain);
 
 /// The count is a power of two, so that a call picks its state by a mask.
 inline constexpr std::size_t state_count = 8;

@@ -13,6 +13,7 @@
 #include "benchmarks/counted_batch.hpp"
 #include "benchmarks/ours.hpp"
 #include "benchmarks/peers.hpp"
+#include "jury/engines.hpp"
 
 using namespace osculate;
 using namespace osculate::bench;
@@ -26,7 +27,7 @@ struct Subject {
     add_recursions(chain, routes);
     const std::size_t reference = routes.size();
     if (chain.n() <= 100) add_dense(chain, routes);
-    add_peers(arm_of(chain), routes);
+    add_peers(jury::arm_of(chain), routes);
     for (std::size_t i = 0; i < routes.size(); ++i) judge(routes[i], i < reference);
   }
 

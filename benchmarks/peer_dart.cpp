@@ -1,11 +1,14 @@
 // DART: its own caches decide what a new state makes it compute again.
+#include <dart/config.hpp>
 #include <dart/dynamics/BodyNode.hpp>
+#include <dart/dynamics/PrismaticJoint.hpp>
 #include <dart/dynamics/RevoluteJoint.hpp>
 #include <dart/dynamics/Skeleton.hpp>
 #include <memory>
 #include <string>
 
 #include "benchmarks/dense_task.hpp"
+#include "benchmarks/lists.hpp"
 
 namespace osculate::bench {
 
@@ -22,21 +25,27 @@ struct Dart {
         none(Eigen::VectorXd::Zero(n)),
         task(n) {
     for (const Arm::Link& link : arm.links) {
-      dart::dynamics::RevoluteJoint::Properties joint;
-      joint.mName = "joint" + std::to_string(skeleton->getNumJoints());
-      joint.mAxis = link.axis;
-      joint.mT_ParentBodyToJoint.linear() = link.R_origin;
-      joint.mT_ParentBodyToJoint.translation() = link.p_origin;
-      dart::dynamics::BodyNode::AspectProperties body;
-      body.mName = "link" + std::to_string(skeleton->getNumBodyNodes());
-      const Eigen::Matrix3d& I = link.inertia;
-      body.mInertia = dart::dynamics::Inertia(link.mass, link.com, I);
-      last = skeleton
-                 ->createJointAndBodyNodePair<dart::dynamics::RevoluteJoint>(
-                     last, joint, dart::dynamics::BodyNode::Properties(body))
-                 .second;
+      if (link.slides)
+        add<dart::dynamics::PrismaticJoint>(link);
+      else
+        add<dart::dynamics::RevoluteJoint>(link);
     }
     skeleton->setGravity(arm.gravity);
+  }
+
+  template <class Joint>
+  void add(const Arm::Link& link) {
+    typename Joint::Properties joint;
+    joint.mName = "joint" + std::to_string(skeleton->getNumJoints());
+    joint.mAxis = link.axis;
+    joint.mT_ParentBodyToJoint.linear() = link.R_origin;
+    joint.mT_ParentBodyToJoint.translation() = link.p_origin;
+    dart::dynamics::BodyNode::AspectProperties body;
+    body.mName = "link" + std::to_string(skeleton->getNumBodyNodes());
+    body.mInertia = dart::dynamics::Inertia(link.mass, link.com, link.inertia);
+    last =
+        skeleton->createJointAndBodyNodePair<Joint>(last, joint, dart::dynamics::BodyNode::Properties(body))
+            .second;
   }
 
   void place(const State& state, const Eigen::VectorXd& torques) {
@@ -80,6 +89,22 @@ struct Dart {
     task.finish(state, answer);
   }
 
+  void answer(const jury::Question& asked, jury::Answer& said) {
+    const State state{asked.q, asked.qd, asked.tau};
+    bench::Answer used;
+    used.qdd.resize(asked.q.size());
+    used.T.resize(asked.q.size());
+    forward_dynamics(state, used);
+    said.qdd = used.qdd;
+    said.M = jury::by_rows(skeleton->getMassMatrix());
+    said.C = jury::by_rows(skeleton->getCoriolisForces());
+    said.G = jury::by_rows(skeleton->getGravityForces());
+    said.J = jury::by_rows(last->getWorldJacobian(tip_point));
+    said.Jdot_qd = jury::by_rows(Eigen::VectorXd(last->getJacobianClassicDeriv(tip_point) * qd));
+    task_by_impulses(state, used);
+    said.Omega = jury::by_rows(task.Omega);
+  }
+
   int n;
   Eigen::Vector3d tip_point;
   dart::dynamics::SkeletonPtr skeleton;
@@ -103,6 +128,12 @@ extern "C" __attribute__((visibility("default"))) void add_routes(const Arm& arm
                     Call::forward_dynamics,
                     [dart](const State& s, Answer& a) { dart->forward_dynamics(s, a); },
                     {}});
+}
+
+extern "C" __attribute__((visibility("default"))) void make_engine(const Arm& arm, jury::Engine& engine) {
+  const auto dart = std::make_shared<Dart>(arm);
+  engine = {"DART", DART_VERSION,
+            [dart](const jury::Question& asked, jury::Answer& said) { dart->answer(asked, said); }};
 }
 
 }  // namespace osculate::bench

@@ -1,4 +1,6 @@
 // Orocos KDL: joint-space solvers, each with its own pass over the chain. Linear rows first there.
+#include <kdl/config.h>
+
 #include <kdl/chain.hpp>
 #include <kdl/chaindynparam.hpp>
 #include <kdl/chainfdsolver_recursive_newton_euler.hpp>
@@ -10,6 +12,7 @@
 #include <string>
 
 #include "benchmarks/dense_task.hpp"
+#include "benchmarks/lists.hpp"
 
 namespace osculate::bench {
 
@@ -34,7 +37,8 @@ KDL::Chain kdl_chain(const Arm& arm) {
         KDL::RotationalInertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)));
     const KDL::Frame joint_frame(rotation_of(link.R_origin), vector_of(link.p_origin));
     const KDL::Joint joint("joint" + std::to_string(i), vector_of(link.p_origin),
-                           vector_of(link.R_origin * link.axis), KDL::Joint::RotAxis);
+                           vector_of(link.R_origin * link.axis),
+                           link.slides ? KDL::Joint::TransAxis : KDL::Joint::RotAxis);
     out.addSegment(KDL::Segment("link" + std::to_string(i), joint,
                                 joint_frame * KDL::Frame(rotation_of(R), vector_of(p)), inertia));
   }
@@ -106,6 +110,31 @@ struct Kdl {
     task.solve(M.data, bias.data, state, answer);
   }
 
+  void answer(const jury::Question& asked, jury::Answer& said) {
+    take({asked.q, asked.qd, asked.tau});
+    moving.q.data = q.data;
+    moving.qdot.data = qd.data;
+    mass.JntToMass(q, M);
+    said.M = jury::by_rows(M.data);
+    mass.JntToCoriolis(q, qd, bias);
+    said.C = jury::by_rows(bias.data);
+    mass.JntToGravity(q, bias);
+    said.G = jury::by_rows(bias.data);
+    jacobian.JntToJac(q, J);
+    Eigen::MatrixXd angular_first(6, n);
+    angular_first << J.data.bottomRows<3>(), J.data.topRows<3>();
+    said.J = jury::by_rows(angular_first);
+    KDL::Twist Jdot_qd;
+    jacobian_rate.JntToJacDot(moving, Jdot_qd);
+    said.Jdot_qd.resize(6);
+    for (int i = 0; i < 3; ++i) {
+      said.Jdot_qd[i] = Jdot_qd.rot[i];
+      said.Jdot_qd[3 + i] = Jdot_qd.vel[i];
+    }
+    forward_dense.CartToJnt(q, qd, T, wrenches, qdd);
+    said.qdd = jury::by_rows(qdd.data);
+  }
+
   KDL::Chain chain;
   unsigned n;
   KDL::Vector gravity;
@@ -142,6 +171,12 @@ extern "C" __attribute__((visibility("default"))) void add_routes(const Arm& arm
                     Call::forward_dynamics,
                     [kdl](const State& s, Answer& a) { kdl->dynamics_linear(s, a); },
                     {}});
+}
+
+extern "C" __attribute__((visibility("default"))) void make_engine(const Arm& arm, jury::Engine& engine) {
+  const auto kdl = std::make_shared<Kdl>(arm);
+  engine = {"KDL", KDL_VERSION_STRING,
+            [kdl](const jury::Question& asked, jury::Answer& said) { kdl->answer(asked, said); }};
 }
 
 }  // namespace osculate::bench

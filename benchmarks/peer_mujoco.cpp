@@ -11,6 +11,7 @@
 #include <string>
 
 #include "benchmarks/dense_task.hpp"
+#include "benchmarks/lists.hpp"
 
 namespace osculate::bench {
 
@@ -45,9 +46,10 @@ std::string urdf(const Arm& arm) {
     Eigen::Matrix3d axes = principal.eigenvectors();
     if (axes.determinant() < 0) axes.col(0) = -axes.col(0);
     const Eigen::Vector3d& I = principal.eigenvalues();
-    out << "<joint name='joint" << i << "' type='continuous'><parent link='" << inboard << "'/><child link='"
-        << name << "'/><origin xyz='" << triple(link.p_origin) << "' rpy='"
-        << triple(roll_pitch_yaw(link.R_origin)) << "'/><axis xyz='" << triple(link.axis) << "'/></joint>"
+    out << "<joint name='joint" << i << "' type='" << (link.slides ? "prismatic" : "continuous")
+        << "'><parent link='" << inboard << "'/><child link='" << name << "'/><origin xyz='"
+        << triple(link.p_origin) << "' rpy='" << triple(roll_pitch_yaw(link.R_origin)) << "'/><axis xyz='"
+        << triple(link.axis) << "'/></joint>"
         << "<link name='" << name << "'><inertial><origin xyz='" << triple(link.com) << "' rpy='"
         << triple(roll_pitch_yaw(axes)) << "'/><mass value='" << link.mass << "'/><inertia ixx='" << I[0]
         << "' iyy='" << I[1] << "' izz='" << I[2] << "' ixy='0' ixz='0' iyz='0'/></inertial></link>";
@@ -116,6 +118,18 @@ struct Mujoco {
     mj_solveM(model.get(), data.get(), answer.qdd.data(), x.data(), 1);
   }
 
+  /// Of the tip, which lies at r from its body's origin, under data->qacc; a weight counts as a rise.
+  DenseTask::Six1 tip_acceleration(const Eigen::Vector3d& r) {
+    mj_rnePostConstraint(model.get(), data.get());
+    double at_origin[6], velocity[6];
+    mj_objectAcceleration(model.get(), data.get(), mjOBJ_XBODY, body, at_origin, 0);
+    mj_objectVelocity(model.get(), data.get(), mjOBJ_XBODY, body, velocity, 0);
+    const Eigen::Map<const Eigen::Vector3d> wd(at_origin), vd(at_origin + 3), w(velocity);
+    DenseTask::Six1 out;
+    out << wd, vd + wd.cross(r) + w.cross(w.cross(r));
+    return out;
+  }
+
   void solve_task(const State& state, Answer& answer) {
     const mjModel* m = model.get();
     mjData* d = data.get();
@@ -128,18 +142,40 @@ struct Mujoco {
     // The free acceleration of the tip: all bodies' accelerations at qdd = - M^-1 (C + G).
     mju_scl(x.data(), d->qfrc_bias, -1, n);
     mj_solveM(m, d, d->qacc, x.data(), 1);
-    mj_rnePostConstraint(m, d);
-    double at_origin[6], velocity[6];
-    mj_objectAcceleration(m, d, mjOBJ_XBODY, body, at_origin, 0);
-    mj_objectVelocity(m, d, mjOBJ_XBODY, body, velocity, 0);
-    const Eigen::Map<const Eigen::Vector3d> wd(at_origin), vd(at_origin + 3), w(velocity);
-    task.free.head<3>() = wd;
-    task.free.tail<3>() = vd + wd.cross(r) + w.cross(w.cross(r)) + gravity;
+    task.free = tip_acceleration(r);
+    task.free.tail<3>() += gravity;
     mj_solveM2(m, d, Y.data(), J.data(), 6);  // J by the square root of M^-1
     task.Omega.noalias() = Y * Y.transpose();
     task.force(state, answer);
     Eigen::Map<Eigen::VectorXd>(answer.T.data(), n).noalias() =
         J.transpose() * Eigen::Map<const DenseTask::Six1>(answer.F.data());
+  }
+
+  void answer(const jury::Question& asked, jury::Answer& said) {
+    const mjModel* m = model.get();
+    mjData* d = data.get();
+    bench::Answer used;
+    used.qdd.resize(asked.q.size());
+    used.T.resize(asked.q.size());
+    const State state{asked.q, asked.qd, asked.tau};
+    forward_dynamics(state, used);
+    said.qdd = used.qdd;
+    said.M.resize(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
+    mj_fullM(m, said.M.data(), d->qM);
+    solve_task(state, used);
+    said.Omega = jury::by_rows(task.Omega);
+    said.J = jury::by_rows(J);
+    place({asked.q, std::vector<double>(asked.q.size()), {}});
+    said.G.assign(d->qfrc_bias, d->qfrc_bias + n);
+    // Without weight: C, and the accelerations of the bodies while no joint accelerates.
+    mju_zero3(model->opt.gravity);
+    place(state);
+    said.C.assign(d->qfrc_bias, d->qfrc_bias + n);
+    mju_zero(d->qacc, n);
+    Eigen::Vector3d r;
+    mju_mulMatVec(r.data(), d->xmat + 9 * body, tip_point.data(), 3, 3);
+    said.Jdot_qd = jury::by_rows(tip_acceleration(r));
+    for (int i = 0; i < 3; ++i) model->opt.gravity[i] = gravity[i];
   }
 
   Eigen::Vector3d tip_point, gravity;
@@ -164,6 +200,12 @@ extern "C" __attribute__((visibility("default"))) void add_routes(const Arm& arm
                     Call::forward_dynamics,
                     [mujoco](const State& s, Answer& a) { mujoco->forward_dynamics(s, a); },
                     {}});
+}
+
+extern "C" __attribute__((visibility("default"))) void make_engine(const Arm& arm, jury::Engine& engine) {
+  const auto mujoco = std::make_shared<Mujoco>(arm);
+  engine = {"MuJoCo", mj_versionString(),
+            [mujoco](const jury::Question& asked, jury::Answer& said) { mujoco->answer(asked, said); }};
 }
 
 }  // namespace osculate::bench

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "benchmarks/dense_task.hpp"
+#include "benchmarks/lists.hpp"
 
 namespace osculate::bench {
 
@@ -43,12 +44,16 @@ struct Simbody {
           link.inertia + link.mass * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
       const SimTK::MassProperties mass(link.mass, vec3(r),
                                        SimTK::Inertia(I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2)));
-      // A pin turns about z of both joint frames.
-      const Eigen::Matrix3d A =
-          Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), link.axis).toRotationMatrix();
-      const SimTK::MobilizedBody::Pin body(
-          inboard, SimTK::Transform(rotation_of(link.R_origin * A), vec3(link.p_origin)),
-          SimTK::Body::Rigid(mass), SimTK::Transform(rotation_of(A)));
+      // A pin turns about z of both joint frames, a slider moves along x.
+      const Eigen::Vector3d along = link.slides ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
+      const Eigen::Matrix3d A = Eigen::Quaterniond::FromTwoVectors(along, link.axis).toRotationMatrix();
+      const SimTK::Transform inner(rotation_of(link.R_origin * A), vec3(link.p_origin)),
+          outer(rotation_of(A));
+      SimTK::MobilizedBody body;
+      if (link.slides)
+        body = SimTK::MobilizedBody::Slider(inboard, inner, SimTK::Body::Rigid(mass), outer);
+      else
+        body = SimTK::MobilizedBody::Pin(inboard, inner, SimTK::Body::Rigid(mass), outer);
       masses.push_back({body.getMobilizedBodyIndex(), vec3(r), link.mass * gravity});
       inboard = body;
     }
@@ -109,6 +114,32 @@ struct Simbody {
                Eigen::Map<const Eigen::VectorXd>(&udot[0], n), given, answer);
   }
 
+  void answer(const jury::Question& asked, jury::Answer& said) {
+    const State given{asked.q, asked.qd, asked.tau},
+        at_rest{asked.q, std::vector<double>(asked.q.size()), {}};
+    const auto list = [this](const SimTK::Vector& x) { return std::vector<double>(&x[0], &x[0] + n); };
+    bench::Answer used;
+    used.qdd.resize(asked.q.size());
+    used.T.resize(asked.q.size());
+    forward_dynamics(given, used);
+    said.qdd = used.qdd;
+    const SimTK::Vector_<SimTK::SpatialVec> weightless;
+    matter.calcResidualForceIgnoringConstraints(state, none, weightless, none, udot);
+    said.C = list(udot);
+    task_by_operators(given, used);
+    said.Omega = jury::by_rows(task.Omega);
+    matter.calcM(state, M);
+    said.M = jury::by_rows(Eigen::Map<const Eigen::MatrixXd>(&M(0, 0), n, n));
+    matter.calcFrameJacobian(state, last, tip_point, J);
+    Eigen::MatrixXd rows(6, n);
+    for (int j = 0; j < n; ++j) rows.col(j) = six(J[j]);
+    said.J = jury::by_rows(rows);
+    said.Jdot_qd = jury::by_rows(six(matter.calcBiasForFrameJacobian(state, last, tip_point)));
+    place(at_rest);
+    matter.calcResidualForceIgnoringConstraints(state, none, weights, none, udot);
+    said.G = list(udot);
+  }
+
   struct Mass {
     SimTK::MobilizedBodyIndex body;
     SimTK::Vec3 com, weight;
@@ -145,6 +176,14 @@ extern "C" __attribute__((visibility("default"))) void add_routes(const Arm& arm
                     Call::forward_dynamics,
                     [simbody](const State& s, Answer& a) { simbody->forward_dynamics(s, a); },
                     {}});
+}
+
+extern "C" __attribute__((visibility("default"))) void make_engine(const Arm& arm, jury::Engine& engine) {
+  const auto simbody = std::make_shared<Simbody>(arm);
+  int major = 0, minor = 0, build = 0;
+  SimTK_version_simbody(&major, &minor, &build);
+  engine = {"Simbody", std::to_string(major) + "." + std::to_string(minor),
+            [simbody](const jury::Question& asked, jury::Answer& said) { simbody->answer(asked, said); }};
 }
 
 }  // namespace osculate::bench

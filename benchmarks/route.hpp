@@ -1,32 +1,18 @@
 // What is timed: a call of one system on one arm. Peers are loaded as modules, each with its own copy of what
-// headers compile to, because a peer's binary and we may disagree on the alignment of Eigen's types. This
-// file is C++17 and sees nothing of ours: the headers of one peer are not C++20.
+// headers compile to, because a peer's binary and we may disagree on the alignment of Eigen's types. A module
+// serves the jury too (jury/engine.hpp). This file is C++17: the headers of one peer are not C++20.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "jury/engine.hpp"
+
 namespace osculate::bench {
 
-/// The numbers of an arm with turning joints and no rotors, which not every peer has; as in model/chain.hpp.
-struct Arm {
-  struct Link {
-    Eigen::Matrix3d R_origin;  // joint axes in the inboard link frame, which is the link's at q = 0
-    Eigen::Vector3d p_origin;  // m, in the inboard link frame
-    Eigen::Vector3d axis;      // unit vector, joint frame
-    double mass;               // kg
-    Eigen::Vector3d com;       // m, link frame
-    Eigen::Matrix3d inertia;   // kg m^2, about the centre of mass, link axes
-  };
-  std::vector<Link> links;  // base to tip
-  Eigen::Matrix3d R_tip;    // in the last link's frame
-  Eigen::Vector3d p_tip;    // m
-  Eigen::Vector3d gravity;  // m/s^2, acceleration of free fall
-  int n() const { return static_cast<int>(links.size()); }
-};
+using jury::Arm;
 
 /// Joint lists base to tip. Six-vectors angular part first, inertial frame, about the tip point.
 struct State {

@@ -15,6 +15,7 @@
 #include "cli/guarded.hpp"
 #include "cli/info.hpp"
 #include "cli/judge.hpp"
+#include "cli/jury.hpp"
 #include "cli/lists.hpp"
 #include "cli/paper.hpp"
 #include "cli/reference.hpp"
@@ -253,6 +254,26 @@ void add_reference(Entry& entry) {
   });
 }
 
+void add_jury(Entry& entry) {
+  CLI::App* sub = entry.parser("jury", "ours against KDL, MuJoCo, Simbody and DART, pair by pair");
+  const auto arm = std::make_shared<ModelArguments>();
+  const auto arguments = std::make_shared<JuryArguments>();
+  arm->add_to(sub, false);
+  arm->add_gravity_to(sub);
+  sub->add_option("--states", arguments->states, "random states; default 100")->check(CLI::Range(1, 1000000));
+  sub->add_option("--seed", arguments->seed, "start of the random numbers; default 1");
+  sub->add_option("--rows", arguments->rows, "task rows, for instance vx,vy,vz; default all six");
+  sub->add_flag("--solid", arguments->solid, "raise masses and inertias that no body has, for all members");
+  sub->add_option("--disturb", arguments->disturb,
+                  "NAME:x, the last mass times 1 + x in one library: shows that the jury sees it");
+  sub->add_flag("--json", arguments->json, "one JSON object");
+  entry.add(sub, [=] {
+    arguments->model = arm->model;
+    arguments->choice = arm->chosen();
+    return print_jury(*arguments, std::cout, std::cerr);
+  });
+}
+
 /// replay and resume.
 void add_again(Entry& entry, const char* name, const char* about, const char* output,
                Exit (*act)(const AgainOptions&, std::ostream&, std::ostream&)) {
@@ -349,6 +370,7 @@ int osculate::program(int argc, char** argv) {
   add_paper(entry);
   add_judge(entry);
   add_reference(entry);
+  add_jury(entry);
   add_schema(entry);
   add_recover(entry);
   add_again(entry, "replay", "run again from a result file alone, compare bit for bit", "keep the new result",

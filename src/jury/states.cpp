@@ -114,7 +114,9 @@ VectorX<double> towards_singularity(const ArmDescription& arm, const TaskRows& r
   constexpr int grid = 36, thirds = 40, rounds = 3;
   double best = condition(q);
   for (int round = 0; round < rounds; ++round)
-    for (const auto& [at, range] : one_axis_coordinates(arm)) {
+    for (const Coordinate& coordinate : one_axis_coordinates(arm)) {
+      const Eigen::Index at = coordinate.at;
+      const Range range = coordinate.range;
       if (best > 100 * nearly_singular_condition) return q;
       const double step = (range.high - range.low) / grid;
       VectorX<double> x = q;
