@@ -2,7 +2,7 @@
 #include "paper/question.hpp"
 #include "paper/recursions.hpp"
 #include "paper/tables.hpp"
-#include "scalar/rational.hpp"
+#include "reference/exact.hpp"
 
 namespace osculate::paper {
 

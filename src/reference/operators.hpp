@@ -386,4 +386,19 @@ Operators<S> operators(const Chain<S>& chain, const Positions<S>& positions, con
   return x;
 }
 
+// Compiled once: double in operators.cpp, fractions in exact.cpp.
+#define OSCULATE_OPERATORS(how, S)                                                             \
+  how template Operator<S> operator*(const Operator<S>&, const Operator<S>&);                  \
+  how template Operator<S> operator+(const Operator<S>&, const Operator<S>&);                  \
+  how template Operator<S> operator-(const Operator<S>&, const Operator<S>&);                  \
+  how template Operator<S> one(Eigen::Index);                                                  \
+  how template Operator<S> inverse(const Operator<S>&);                                        \
+  how template Operator<S> shift(const Operators<S>&, int, int);                               \
+  how template std::vector<std::vector<Operator<S>>> articulated_shifts(const Operators<S>&);  \
+  how template Operator<S> internal::assembled(Eigen::Index, Eigen::Index,                     \
+                                               const std::vector<internal::Piece<S>>&);        \
+  how template Operators<S> operators(const Chain<S>&, const Positions<S>&, const VectorX<S>&, \
+                                      const BaseMotion<S>&)
+OSCULATE_OPERATORS(extern, double);
+
 }  // namespace osculate::dense

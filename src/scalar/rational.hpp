@@ -4,53 +4,70 @@
 #include <Eigen/Core>
 #include <compare>
 #include <concepts>
+#include <memory>
 #include <ostream>
 
 #include "scalar/field.hpp"
 
-// GCC 12 at -O1 warns, wrongly, of an uninitialised number where Boost's assignment is inlined into Eigen.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpragmas"
-#pragma GCC diagnostic ignored "-Wunknown-warning-option"
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#include <boost/multiprecision/cpp_int.hpp>
-#pragma GCC diagnostic pop
-
 namespace osculate {
 
-/// A fraction in lowest terms. A plain struct on purpose: Boost's expression-template number does not compile
-/// with Eigen 3.4 in C++20. Slow, and slower as numerators grow: keep inputs to small integers over small
-/// integers.
-struct Rational {
-  boost::multiprecision::cpp_rational number;
+class Rational;
+using MatrixOfFractions = Eigen::Matrix<Rational, Eigen::Dynamic, Eigen::Dynamic>;
 
+/// A fraction in lowest terms. Slow, and slower as numerators grow: keep inputs to small integers over small
+/// integers. The arithmetic is compiled once, in rational.cpp: Boost's header takes longer than most files
+/// here.
+class Rational {
+ public:
   Rational() = default;
   template <std::integral I>
-  Rational(I n) : number(n) {}
-  /// n / d. Throws std::overflow_error for d = 0, as division does.
-  Rational(int n, int d) : number(n) { number /= d; }
-  /// The value of the double itself, without rounding: Rational(0.1) is not 1/10. Finite arguments only.
-  explicit Rational(double x) : number(x) {}
-  explicit operator double() const { return number.convert_to<double>(); }
-
-  Rational& operator+=(const Rational& y) { return number += y.number, *this; }
-  Rational& operator-=(const Rational& y) { return number -= y.number, *this; }
-  Rational& operator*=(const Rational& y) { return number *= y.number, *this; }
-  /// Throws std::overflow_error for y = 0.
-  Rational& operator/=(const Rational& y) { return number /= y.number, *this; }
-
-  friend Rational operator-(Rational x) { return x.number = -x.number, x; }
-  friend Rational operator+(Rational x, const Rational& y) { return x += y; }
-  friend Rational operator-(Rational x, const Rational& y) { return x -= y; }
-  friend Rational operator*(Rational x, const Rational& y) { return x *= y; }
-  friend Rational operator/(Rational x, const Rational& y) { return x /= y; }
-
-  friend bool operator==(const Rational& x, const Rational& y) { return x.number == y.number; }
-  friend std::strong_ordering operator<=>(const Rational& x, const Rational& y) {
-    return x.number.compare(y.number) <=> 0;
+  Rational(I n) {
+    if constexpr (std::is_signed_v<I>)
+      assign(static_cast<long long>(n));
+    else
+      assign(static_cast<unsigned long long>(n));
   }
-  friend Rational abs(Rational x) { return x.number < 0 ? -x : x; }
-  friend std::ostream& operator<<(std::ostream& out, const Rational& x) { return out << x.number.str(); }
+  /// n / d. Throws std::overflow_error for d = 0, as division does.
+  Rational(int n, int d);
+  /// The value of the double itself, without rounding: Rational(0.1) is not 1/10. Finite arguments only.
+  explicit Rational(double x);
+  Rational(const Rational& x);
+  Rational(Rational&& x) noexcept = default;
+  Rational& operator=(const Rational& x);
+  Rational& operator=(Rational&& x) noexcept = default;
+  explicit operator double() const;
+
+  Rational& operator+=(const Rational& y);
+  Rational& operator-=(const Rational& y);
+  Rational& operator*=(const Rational& y);
+  /// Throws std::overflow_error for y = 0.
+  Rational& operator/=(const Rational& y);
+
+  friend Rational operator-(Rational x) { return x.negate(), x; }
+  friend Rational operator+(const Rational& x, const Rational& y);
+  friend Rational operator-(const Rational& x, const Rational& y);
+  friend Rational operator*(const Rational& x, const Rational& y);
+  friend Rational operator/(const Rational& x, const Rational& y);
+
+  friend bool operator==(const Rational& x, const Rational& y);
+  friend std::strong_ordering operator<=>(const Rational& x, const Rational& y);
+  friend Rational abs(Rational x) { return x < Rational() ? -x : x; }
+  /// As "3/2", or "3" where the denominator is 1.
+  friend std::ostream& operator<<(std::ostream& out, const Rational& x);
+  friend MatrixOfFractions product(const MatrixOfFractions& A, const MatrixOfFractions& B);
+
+ private:
+  struct Fraction;
+  struct Delete {
+    void operator()(Fraction* fraction) const noexcept;
+  };
+  std::unique_ptr<Fraction, Delete> fraction_;  // none for 0: zeros, most of a block matrix, cost nothing
+
+  void assign(long long n);
+  void assign(unsigned long long n);
+  void negate();
+  void make(Fraction value);
+  static const Fraction& fraction(const Rational& x);
 };
 
 }  // namespace osculate

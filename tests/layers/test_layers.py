@@ -44,8 +44,8 @@ FENCES = {
     r"CLI/": {"cli/program.cpp"},
     r"(pybind11|Python)": {"python"},
     r"osculate/controller": {"plugin", "control/user_law.cpp"},
-    r"dlfcn": {"plugin/shared_library.cpp"},
-    r"boost/": {"scalar/rational.hpp", "scalar/quad.hpp", "scalar/rational_product.hpp"},
+    r"dlfcn": {"plugin/shared_library.cpp", "jury/engines.cpp"},
+    r"boost/": {"scalar/rational.cpp", "scalar/quad.hpp"},
     r"quadmath": {"scalar/quad.hpp"},
 }
 

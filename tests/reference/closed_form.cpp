@@ -1,7 +1,6 @@
 // Two arms small enough for pencil and paper, compared exactly. Both move in the x-y plane, gravity is (0,
 // -g, 0).
-#include "reference/dense.hpp"
-#include "scalar/rational.hpp"
+#include "reference/exact.hpp"
 #include "support/catch.hpp"
 
 using namespace osculate;

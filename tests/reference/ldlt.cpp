@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "model/random_arm.hpp"
-#include "scalar/rational.hpp"
+#include "reference/exact.hpp"
 #include "support/catch.hpp"
 
 using namespace osculate;

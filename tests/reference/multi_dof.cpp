@@ -2,8 +2,7 @@
 // one-axis joints with massless links between them, a floating joint that carries the base, and the closed
 // form of a free rigid body.
 #include "model/random_arm.hpp"
-#include "reference/dense.hpp"
-#include "scalar/rational.hpp"
+#include "reference/exact.hpp"
 #include "support/catch.hpp"
 
 using namespace osculate;

@@ -1,0 +1,7 @@
+#include "reference/operators.hpp"
+
+namespace osculate::dense {
+
+OSCULATE_OPERATORS(, double);
+
+}  // namespace osculate::dense
