@@ -5,11 +5,13 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cstring>
+#include <ctime>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 
+#include "benchmarks/anchor.hpp"
 #include "benchmarks/dense_task.hpp"
 #include "benchmarks/lists.hpp"
 
@@ -131,9 +133,14 @@ struct Mujoco {
   }
 
   void solve_task(const State& state, Answer& answer) {
+    place(state);
+    solve_placed(state, answer);
+  }
+
+  /// The same where M is factored and qfrc_bias = C + G.
+  void solve_placed(const State& state, Answer& answer) {
     const mjModel* m = model.get();
     mjData* d = data.get();
-    place(state);
     Eigen::Vector3d tip;
     mju_mulMatVec(tip.data(), d->xmat + 9 * body, tip_point.data(), 3, 3);
     const Eigen::Vector3d r = tip;
@@ -187,7 +194,69 @@ struct Mujoco {
   DenseTask task;
 };
 
+/// The law inside mj_step: MuJoCo calls it at every stage, when the stage's M is factored and its bias known.
+struct ControlledMujoco : Mujoco {
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+  ControlledMujoco(const Anchor& given, double steps)
+      : Mujoco(given.arm), anchor(given), count(std::lround(steps)), answer{{}, {}, std::vector<double>(n)} {
+    model->opt.integrator = mjINT_RK4;
+    model->opt.timestep = anchor.duration / static_cast<double>(count);
+    mju_copy(data->qpos, anchor.q.data(), n);
+    acting = this;
+    mjcb_control = [](const mjModel*, mjData*) { acting->control(); };
+  }
+  ~ControlledMujoco() { mjcb_control = nullptr; }
+
+  Eigen::Vector3d tip_position() const {
+    Eigen::Vector3d p;
+    mju_mulMatVec(p.data(), data->xmat + 9 * body, tip_point.data(), 3, 3);
+    mju_addTo3(p.data(), data->xpos + 3 * body);
+    return p;
+  }
+
+  void control() {
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> R(data->xmat + 9 * body);
+    const Eigen::Vector3d p = tip_position();
+    mj_jac(model.get(), data.get(), J.data() + 3 * n, J.data(), p.data(), body);
+    const Vector6 V = J * Eigen::Map<const Eigen::VectorXd>(data->qvel, n);
+    command(anchor, data->time, R * anchor.arm.R_tip, p, V, state);
+    solve_placed(state, answer);
+    mju_copy(data->qfrc_applied, answer.T.data(), n);
+    ++result.rhs;
+  }
+
+  void run() {
+    for (long i = 0; i < count; ++i) {
+      mj_step(model.get(), data.get());
+      if (anchor.observe) {
+        mj_kinematics(model.get(), data.get());
+        anchor.observe(data->time, tip_position().data());
+      }
+    }
+    result.steps = count;
+  }
+
+  static ControlledMujoco* acting;  // the callback takes no data of ours
+  const Anchor& anchor;
+  long count;
+  State state;
+  Answer answer;
+  AnchorRun result;
+};
+ControlledMujoco* ControlledMujoco::acting = nullptr;
+
 }  // namespace
+
+/// Fixed steps of mjINT_RK4; `steps` of them.
+extern "C" __attribute__((visibility("default"))) void run_anchor(const Anchor& anchor, double steps,
+                                                                  AnchorRun& result) {
+  ControlledMujoco mujoco(anchor, steps);
+  const std::clock_t start = std::clock();
+  mujoco.run();
+  result = mujoco.result;
+  result.seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+}
 
 extern "C" __attribute__((visibility("default"))) void add_routes(const Arm& arm,
                                                                   std::vector<Route>& routes) {

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/anchor_peers.hpp"
+#include "benchmarks/arms.hpp"
 #include "control/linear_response.hpp"
 #include "experiment/make_loop.hpp"
 #include "experiment/simulation.hpp"
@@ -30,17 +32,19 @@ struct Problem {
   const char* name;
   const char* file;
   std::vector<std::string> overrides;
+  bool for_peers;            // the peers run it too
   bool closed_form;          // the tip's exact motion is known; otherwise two runs at tight_rtol stand for it
   double loosest, tightest;  // powers of ten of rtol
 };
 
 const Problem problems[] = {
-    {"ur5e_circle", "ur5e_circle", {}, true, -3, -11.5},
-    {"puma560_circle", "puma560_circle", {}, true, -3, -11.5},
-    {"free_swing", "puma560_free_swing", {}, false, -3, -11},
+    {"ur5e_circle", "ur5e_circle", {}, true, true, -3, -11.5},
+    {"puma560_circle", "puma560_circle", {}, false, true, -3, -11.5},
+    {"free_swing", "puma560_free_swing", {}, false, false, -3, -11},
     {"contact",
      "puma560_force",
      {"plant.environment.stiffness=1e6", "plant.environment.damping=2000"},
+     false,
      false,
      -3,
      -9.5},
@@ -173,7 +177,12 @@ class Bench {
 
   /// The arm starts at rest on the path, which moves: its first error rate is the path's velocity.
   Point truth(long row, double t) const {
-    if (!truth_.empty()) return truth_[static_cast<std::size_t>(row)];
+    return truth_.empty() ? exact(t) : truth_[static_cast<std::size_t>(row)];
+  }
+
+ public:
+  /// The tip's exact motion where it is known in closed form, m.
+  Point exact(double t) const {
     const Controller& controller = loop_.controller();
     const PathPoint start = controller.path().at(0);
     Point p = tip_reference(controller.path(), controller.initial(), t).pose.p;
@@ -184,6 +193,27 @@ class Bench {
     return p;
   }
 
+  /// The same problem for a peer: position and orientation of a path that does not turn, equal gains, no
+  /// armature.
+  bench::Anchor anchor() const {
+    const Controller& controller = loop_.controller();
+    const TipReference start = tip_reference(controller.path(), controller.initial(), 0);
+    const auto q = loop_.q(start_.data());
+    return {bench::arm_of(loop_.plant().chain),
+            {q.begin(), q.end()},
+            experiment_.duration,
+            experiment_.controller.stiffness[3],
+            experiment_.controller.damping[3],
+            start.pose.R,
+            [&controller](double t, double* p_v_a) {
+              const TipReference now = tip_reference(controller.path(), controller.initial(), t);
+              Eigen::Map<Matrix3<double>> out(p_v_a);
+              out << now.pose.p, now.velocity.tail<3>(), now.acceleration.tail<3>();
+            },
+            {}};
+  }
+
+ private:
   Experiment experiment_;
   Arms arms_;
   ClosedLoop loop_;
@@ -226,5 +256,8 @@ int main(int argc, char** argv) {
           std::fprintf(stderr, "%s, %s, rtol %.1e: %s\n", problem.name, setting.name, rtol, stop.what());
         }
       }
+    if (problem.for_peers)
+      bench::run_peers(
+          bench.anchor(), problem.name, [&bench](double t) { return bench.exact(t); }, repeats);
   }
 }

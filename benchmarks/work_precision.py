@@ -25,6 +25,8 @@ PROBLEMS = {"ur5e_circle": "UR5e-like arm, circle, 10 s", "puma560_circle": "PUM
 SETTINGS = {"adams": (BLUE, "o"), "adams, order <= 5": (SKY, "v"), "adams, CVODE's own corrector": (BLACK, "x"),
             "bdf": (VERMILION, "s"), "runge_kutta": (GREEN, "^")}
 TARGETS = (1e-4, 1e-6, 1e-8, 1e-9)
+PEERS = ("MuJoCo, RK4",)
+PEER_TARGETS = (1e-6, 1e-9)
 
 
 def read(file):
@@ -51,6 +53,31 @@ def at_error(rows, target, of):
     return math.exp(mean_y - slope * mean_x)
 
 
+def work(rows, problem, setting, target):
+    """Right-hand sides, steps and seconds of a setting at a true error, each None where it is not reached."""
+    mine = [row for row in rows if row["problem"] == problem and row["setting"] == setting]
+    return tuple(at_error(mine, target, lambda row, key=key: row[key]) for key in ("rhs", "steps", "seconds"))
+
+
+def peer_table(rows):
+    """The integrators of the peers that were there, with the time of each over that of ours in the same run."""
+    present = [peer for peer in PEERS if any(row["setting"] == peer for row in rows)]
+    if not present:
+        return []
+    lines = ["| system | " + " | ".join(f"{t:.0e} m: laws, steps, ms of processor time | times ours"
+                                       for t in PEER_TARGETS) + " |",
+             "|---|" + "---|---|" * len(PEER_TARGETS)]
+    for name, setting in (("this project, Adams", "adams"), *((peer, peer) for peer in present)):
+        cells = []
+        for target in PEER_TARGETS:
+            rhs, steps, seconds = work(rows, "ur5e_circle", setting, target)
+            ours = work(rows, "ur5e_circle", "adams", target)[2]
+            cells += (["-", "-"] if rhs is None or ours is None else
+                      [f"{rhs:.0f}, {steps:.0f}, {1e3 * seconds:.1f}", f"{seconds / ours:.1f}"])
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    return lines
+
+
 def tables(rows):
     lines = []
     for problem, title in PROBLEMS.items():
@@ -58,11 +85,11 @@ def tables(rows):
                   "| method | " + " | ".join(f"{t:.0e} m: rhs, steps, ms of processor time" for t in TARGETS) + " |",
                   "|---|" + "---|" * len(TARGETS)]
         for setting in dict.fromkeys(row["setting"] for row in rows):
-            mine = [row for row in rows if row["problem"] == problem and row["setting"] == setting]
+            if setting in PEERS:
+                continue
             cells = []
             for target in TARGETS:
-                rhs, steps, seconds = (at_error(mine, target, lambda row, key=key: row[key])
-                                       for key in ("rhs", "steps", "seconds"))
+                rhs, steps, seconds = work(rows, problem, setting, target)
                 cells.append("-" if rhs is None else f"{rhs:.0f}, {steps:.0f}, {1e3 * seconds:.1f}")
             lines.append(f"| {setting.replace('<=', '&le;')} | " + " | ".join(cells) + " |")
         lines.append("")
@@ -93,12 +120,19 @@ def figure(rows):
     picture.savefig(PICTURE)
 
 
+def replaced(text, begin, end, lines):
+    """`text` with `lines` between its lines `begin` and `end`."""
+    head, rest = text.split(begin + "\n")
+    tail = rest.split(end + "\n", 1)[1]
+    return f"{head}{begin}\n\n" + "\n".join(lines) + f"\n{end}\n{tail}"
+
+
 def write_page(rows):
-    text = PAGE.read_text()
-    begin, end = "<!-- measured -->\n", "<!-- end -->\n"
-    head, rest = text.split(begin)
-    tail = rest.split(end)[1]
-    PAGE.write_text(head + begin + "\n" + "\n".join(tables(rows)) + "\n" + end + tail)
+    text = replaced(PAGE.read_text(), "<!-- measured -->", "<!-- end -->", tables(rows))
+    peers = peer_table(rows)
+    if peers:  # otherwise the last measurement with peers stays
+        text = replaced(text, "<!-- peers -->", "<!-- end of peers -->", [*peers, ""])
+    PAGE.write_text(text)
 
 
 def main():
