@@ -11,7 +11,7 @@
 
 #include "plugin/helper_process.hpp"
 #include "plugin/line_protocol.hpp"
-#include "plugin/sha256.hpp"
+#include "input/sha256.hpp"
 #include "plugin/shared_library.hpp"
 
 namespace osculate {
