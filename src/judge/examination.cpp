@@ -104,6 +104,7 @@ constexpr int rounds = 8;            // of Gauss and Newton
 constexpr double doubt_margin = 12;  // of twice the log-likelihood: odds of 400 to 1
 constexpr Index fewest_samples = 20;
 constexpr double least_share = 2e-3;  // of a term
+constexpr double least_part = 1e-7;   // of the squares of the difference: what noise in the columns makes up
 
 }  // namespace
 
@@ -166,19 +167,26 @@ void Examination::explain() {
     Attempt other = solve(omitted, banned, &now_);
     if (!other.fits.empty() && other.fits.front().score < now_.fits.front().score) now_ = std::move(other);
   }
-  for (bool again = true; again;) {
-    again = false;
-    for (const int g : now_.deviation.moved) {
-      std::vector<int> more = banned;
-      more.push_back(g);
-      Attempt simpler = solve(without(g, now_.deviation), more, &now_);
-      if (simpler.fits.empty() || simpler.fits.front().score > now_.fits.front().score) continue;
-      now_ = std::move(simpler);
-      banned = std::move(more);
-      again = true;
-      break;
-    }
+  while (drop_one(banned)) continue;
+}
+
+bool Examination::drop_one(std::vector<int>& banned) {
+  const std::vector<int>& moved = now_.deviation.moved;
+  for (const int g : best().groups) {
+    const bool is_moved = std::find(moved.begin(), moved.end(), g) != moved.end();
+    const bool is_gains =
+        g != delay_group() && candidates_.list()[static_cast<std::size_t>(g)].kind == Kind::gains;
+    const bool idle = !is_gains && explained_by(g) < least_part;
+    if (!idle && !is_moved) continue;
+    std::vector<int> more = banned;
+    more.push_back(g);
+    Attempt simpler = solve(without(g, now_.deviation), more, idle ? nullptr : &now_);
+    if (simpler.fits.empty() || (!idle && simpler.fits.front().score > now_.fits.front().score)) continue;
+    now_ = std::move(simpler);
+    banned = std::move(more);
+    return true;
   }
+  return false;
 }
 
 Examination::Attempt Examination::solve(const Deviation& start, const std::vector<int>& banned,

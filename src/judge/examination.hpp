@@ -87,6 +87,8 @@ class Examination {
   /// Rounds of Gauss and Newton from `start`, without the groups in `banned`; given up where the score is far
   /// above that of `rival`. Without fits where `start` is no arm.
   Attempt solve(const Deviation& start, const std::vector<int>& banned, const Attempt* rival) const;
+  /// Bans a group that explains next to nothing, or whose parameters nothing needs. False if there is none.
+  bool drop_one(std::vector<int>& banned);
   Difference gather(const Deviation& deviation) const;
   /// Mean square of what a fit leaves: (N m)^2 or N^2.
   double left(const Difference& difference, const Fit& fit) const;

@@ -1,7 +1,6 @@
 // osculate.judge: which terms of the exact law a logged torque lacks.
 #include "judge/judge.hpp"
 
-#include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
 #include "python/bindings.hpp"
@@ -28,6 +27,8 @@ MatrixX<double> matrix(const Rows& array, const char* name, py::ssize_t samples,
   return Eigen::Map<const RowMajor>(array.data(), array.shape(0), array.shape(1));
 }
 
+using Six = std::array<double, 6>;
+
 template <class Choice>
 std::optional<Choice> chosen(const std::optional<std::string>& name, const char* argument, const char* first,
                              const char* second) {
@@ -40,7 +41,7 @@ std::optional<Choice> chosen(const std::optional<std::string>& name, const char*
 
 Judgement judge_arrays(const py::object& chain, const Rows& t, const Rows& q, const Rows& qd, const Rows& tau,
                        const std::optional<Rows>& u, const std::optional<std::array<Rows, 4>>& reference,
-                       const std::optional<std::pair<Vector6, Vector6>>& gains,
+                       const std::optional<std::pair<Six, Six>>& gains,
                        const std::optional<std::vector<std::string>>& rows,
                        const std::optional<std::vector<double>>& viscous,
                        const std::optional<std::string>& u_order,
@@ -58,7 +59,13 @@ Judgement judge_arrays(const py::object& chain, const Rows& t, const Rows& q, co
                             std::to_string(n) + ", one for each velocity coordinate");
     for (const double b : *viscous) options.friction.push_back({b, 0, 0, 1e-2});
   }
-  if (gains) options.gains = Gains{gains->first, gains->second};
+  if (gains) {
+    options.gains.emplace();
+    for (int i = 0; i < 6; ++i) {
+      options.gains->stiffness[i] = gains->first[static_cast<std::size_t>(i)];
+      options.gains->damping[i] = gains->second[static_cast<std::size_t>(i)];
+    }
+  }
   options.u_order = chosen<RowOrder>(u_order, "u_order", "angular", "linear");
   options.quaternion_order = chosen<QuaternionOrder>(quaternion, "quaternion", "wxyz", "xyzw");
   options.acceleration = chosen<Acceleration>(acceleration, "acceleration", "classical", "spatial")
