@@ -134,7 +134,8 @@ void write_json(std::ostream& out, const Judgement& j) {
 Exit print_judgement(const JudgeArguments& arguments, std::ostream& out, std::ostream& messages) {
   Believed believed = arguments.model.empty() ? from_log(arguments) : from_file(arguments);
   JudgeOptions& options = believed.options;
-  for (const auto& warning : believed.description.warnings) messages << "warning: " << warning << "\n";
+  if (!arguments.model.empty())
+    for (const auto& warning : believed.description.warnings) messages << "warning: " << warning << "\n";
   if (!arguments.u_order.empty())
     options.u_order = arguments.u_order == "angular" ? RowOrder::angular_first : RowOrder::linear_first;
   if (!arguments.quaternion.empty())

@@ -87,13 +87,14 @@ struct Candidates::Point {
 };
 
 Candidates::Candidates(const Chain<double>& model, const JudgeOptions& options, bool from_reference,
-                       bool order_known)
+                       bool order_known, ErrorLaw error_law)
     : model_(model),
       options_(options),
       from_reference_(from_reference),
       turns_(has(options.rows, 0)),
       slides_(has(options.rows, 3)),
-      redundant_(model.velocities() > static_cast<int>(options.rows.size())) {
+      redundant_(model.velocities() > static_cast<int>(options.rows.size())),
+      error_law_(error_law) {
   const int n = model.velocities(), m = static_cast<int>(options.rows.size());
   const auto term = [&](const char* id, const char* phrase, Kind kind = Kind::term, int count = 1) {
     add(list_, columns_, {id, phrase, kind}, count);
@@ -165,6 +166,16 @@ Candidates::Candidates(const Chain<double>& model, const JudgeOptions& options, 
       {"tip_point", "another tip point", Kind::parameter, 0, 3, {"x", "y", "z"}, {"m", "m", "m"}}, 3);
   per_joint("viscous", "viscous friction", "N m s/rad", "N s/m");
   per_joint("coulomb", "Coulomb friction", "N m", "N");
+  per_joint("torque_scale", "scale", "1", "1");
+  add(list_, columns_,
+      {"gravity_vector",
+       "another gravity",
+       Kind::parameter,
+       0,
+       3,
+       {"x", "y", "z"},
+       {"m/s^2", "m/s^2", "m/s^2"}},
+      3);
   if (redundant_) {
     const auto null_term = [&](const char* id, const char* phrase, int count = 1) {
       add(null_list_, null_columns_, {id, phrase, Kind::term}, count);
@@ -181,6 +192,14 @@ Candidates::Candidates(const Chain<double>& model, const JudgeOptions& options, 
       term("kinematic_posture", "projects a posture by 1 - J* (J*)^+, which the tip feels", Kind::mistake,
            n + 1);
   }
+}
+
+bool Candidates::possible(const Belief& belief) const {
+  double mass = 0;
+  for (const auto& link : model_.links) mass += link.mass;
+  const double load = belief.payload[0];
+  return load > -model_.links.back().mass && load < mass && belief.payload.tail<3>().norm() < 0.5 * mass &&
+         belief.tip_offset.norm() < 0.5;
 }
 
 Vector Candidates::armature() const {
@@ -203,6 +222,12 @@ void Candidates::add(std::vector<Candidate>& list, int& columns, Candidate candi
 Vector6 Candidates::command(const Point& at, const TipReference& reference, const Gains& gains,
                             bool feedforward) const {
   const PoseError error = pose_error(reference, {at.state.tip.R, at.state.tip.p}, at.state.tip.tip_velocity);
+  if (error_law_ == ErrorLaw::angular_velocity) {
+    Vector6 u = gains.damping.cwiseProduct(reference.velocity - at.state.tip.tip_velocity) +
+                gains.stiffness.cwiseProduct(error.e);
+    if (feedforward) u += reference.acceleration;
+    return u;
+  }
   const Vector6 edd = -gains.damping.cwiseProduct(error.ed) - gains.stiffness.cwiseProduct(error.e);
   TipReference moving = reference;
   if (!feedforward) moving.acceleration.setZero();
@@ -358,6 +383,15 @@ bool Candidates::evaluate(const Belief& belief, const Sample& sample, Columns& o
       for (Eigen::Index i = 0; i < n; ++i) put(out.P.col(i) * sample.qd[i]);
     if (c.id == "coulomb")
       for (Eigen::Index i = 0; i < n; ++i) put(out.P.col(i) * std::tanh(sample.qd[i] / coulomb_speed));
+    if (c.id == "torque_scale")
+      for (Eigen::Index i = 0; i < n; ++i) put(out.P.col(i) * out.exact[i]);
+    if (c.id == "gravity_vector")
+      for (int i = 0; i < 3; ++i) {  // G is linear in gravity
+        Chain<double> other = chain;
+        other.gravity = Vector3<double>::Unit(i);
+        const auto joints = positions(other, std::span<const double>(sample.q));
+        put(at.felt(dense::state(other, joints, sample.qd, {}).joint.G));
+      }
   }
   if (!redundant_) return true;
 

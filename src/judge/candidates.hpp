@@ -46,10 +46,13 @@ struct Candidate {
 /// Columns are torques: N m or N per unit of their coefficient.
 class Candidates {
  public:
-  Candidates(const Chain<double>& model, const JudgeOptions& options, bool from_reference, bool order_known);
+  Candidates(const Chain<double>& model, const JudgeOptions& options, bool from_reference, bool order_known,
+             ErrorLaw error_law);
 
   const std::vector<Candidate>& list() const { return list_; }
   int columns() const { return columns_; }
+  /// Whether a controller may believe this: loads between nothing and the arm's own mass, a tip within 0.5 m.
+  bool possible(const Belief& belief) const;
   /// Of the model, for each velocity coordinate: kg m^2 or kg.
   VectorX<double> armature() const;
   /// The same for what does not move the tip, with more joints than task rows.
@@ -81,6 +84,7 @@ class Candidates {
   JudgeOptions options_;
   bool from_reference_, turns_, slides_;  // whether all three rows are controlled
   bool redundant_;
+  ErrorLaw error_law_;
   std::vector<Candidate> list_, null_list_;
   int columns_ = 0, null_columns_ = 0;
 };

@@ -139,7 +139,7 @@ Examination::Examination(const Chain<double>& model, const Log& log, const Judge
     : log_(log),
       options_(options),
       samples_(log, options, reading),
-      candidates_(model, options, !log.u, order_known),
+      candidates_(model, options, !log.u, order_known, reading.error_law),
       n_(model.velocities()) {
   for (const Candidate& c : candidates_.list()) groups_.push_back({c.first, c.columns});
   groups_.push_back({candidates_.columns(), 1});
@@ -155,7 +155,9 @@ Examination::Examination(const Chain<double>& model, const Log& log, const Judge
 void Examination::explain() {
   Deviation none;
   none.belief.armature.setZero(n_);
-  asked_ = std::pow(gather(none).size, 2);
+  const Difference whole = gather(none);
+  asked_ = std::pow(whole.size, 2);
+  weighed_ = whole.regression.d.squaredNorm();
   std::vector<int> banned;
   now_ = solve(none, banned, nullptr);
   // An armature that is left out whole changes the arm too much for the first step to find it.
@@ -209,8 +211,8 @@ Examination::Attempt Examination::solve(const Deviation& start, const std::vecto
     for (std::size_t g = 0; g < candidates_.list().size(); ++g)
       if (candidates_.list()[g].kind == Kind::gains) always.push_back(static_cast<int>(g));
     out.fits = all.search(always, out.price, doubt_margin * out.noise_square,
-                          [&](const Fit& fit) { return sensible(fit, banned); });
-    if (rival && round >= 2 && out.fits.front().score > hopeless * rival->fits.front().score) break;
+                          [&](const Fit& fit) { return sensible(fit, out.deviation, banned); });
+    if (rival && round >= 1 && out.fits.front().score > hopeless * rival->fits.front().score) break;
     bool moved = false;
     for (const int g : out.fits.front().groups) moved = take(g, out, next) || moved;
     if (!moved) break;
@@ -270,9 +272,10 @@ Difference Examination::gather(const Deviation& deviation) const {
     ++out.samples;
   }
   if (out.samples < fewest_samples)
-    throw LogError(log_.source + ": only " + std::to_string(out.samples) +
-                   " samples can be used: the others are singular on the task rows, saturated or not finite; "
-                   "log a longer motion away from singular poses");
+    throw LogError(
+        log_.source + ": only " + std::to_string(out.samples) + " samples can be used (" +
+        std::to_string(out.left_out) + " are singular on the task rows, saturated or not finite); at least " +
+        std::to_string(fewest_samples) + " are needed: log a longer motion away from singular poses");
   r.X.conservativeResize(at, Eigen::NoChange), r.d.conservativeResize(at);
   if (null_columns > 0) out.null.X.conservativeResize(at, Eigen::NoChange), out.null.d.conservativeResize(at);
   out.size = std::sqrt(squares / static_cast<double>(at));
@@ -289,22 +292,43 @@ void Examination::set_price(const Explanations& all, Attempt& attempt) const {
   for (Index i = 0; i + n_ < rest.size(); ++i) along += rest[i] * rest[i + n_];
   const double rho = std::clamp(along / std::max(rest.squaredNorm(), 1e-300), 0.0, 0.98);
   attempt.noise_square = std::max(1e-4, left) * (1 + rho) / (1 - rho);
-  // A part of 1e-11 of the squares is rounding in sums of squares, not a term.
-  attempt.price =
-      std::max((6 + 2 * std::log(rows)) * attempt.noise_square, 1e-11 * all.regression().d.squaredNorm());
+  attempt.price = std::max((6 + 2 * std::log(rows)) * attempt.noise_square, least_part * weighed_);
 }
 
-bool Examination::sensible(const Fit& fit, const std::vector<int>& banned) const {
+bool Examination::sensible(const Fit& fit, const Deviation& deviation, const std::vector<int>& banned) const {
+  Deviation there = deviation;
   for (const int g : fit.groups) {
     if (std::find(banned.begin(), banned.end(), g) != banned.end()) return false;
+    add_step(g, fit, there);
     if (g == delay_group()) continue;
     const Candidate& c = candidates_.list()[static_cast<std::size_t>(g)];
     const double first = fit.beta[c.first];
     // A constant inertia in place of Lambda means that Lambda is gone.
     if (c.id == "constant_lambda" && std::abs(first - 1) > 0.1) return false;
     // Noise in the columns bends coefficients by its share of them, which is no mistake.
-    if ((c.kind == Kind::term || c.kind == Kind::mistake) && c.columns == 1 && std::abs(first) < least_share)
+    const double least = c.id == "gravity" ? least_share / 20 : least_share;  // others' g differs by 3e-4
+    if ((c.kind == Kind::term || c.kind == Kind::mistake) && c.columns == 1 && std::abs(first) < least)
       return false;
+  }
+  const double seconds = log_.t.back() - log_.t.front();
+  return candidates_.possible(there.belief) && there.delay >= -1e-4 * seconds && there.delay < 0.1 * seconds;
+}
+
+bool Examination::add_step(int g, const Fit& fit, Deviation& deviation) const {
+  const ColumnGroup& group = groups_[static_cast<std::size_t>(g)];
+  const Vector step = fit.beta.segment(group.first, group.columns);
+  const std::string id = id_of(g);
+  if (id == "delay") {
+    deviation.delay += step[0];
+  } else if (id == "armature") {
+    deviation.belief.armature =
+        (deviation.belief.armature + step).cwiseMax(-candidates_.armature());  // none is negative
+  } else if (id == "payload") {
+    deviation.belief.payload += step;
+  } else if (id == "tip_point") {
+    deviation.belief.tip_offset += step;
+  } else {
+    return false;
   }
   return true;
 }
@@ -336,25 +360,13 @@ std::string Examination::id_of(int g) const {
 bool Examination::take(int g, const Attempt& attempt, Deviation& deviation) const {
   const ColumnGroup& group = groups_[static_cast<std::size_t>(g)];
   const Fit& fit = attempt.fits.front();
+  if (!add_step(g, fit, deviation)) return false;
+  if (std::find(deviation.moved.begin(), deviation.moved.end(), g) == deviation.moved.end())
+    deviation.moved.push_back(g);
   const Vector step = fit.beta.segment(group.first, group.columns);
   const Vector uncertain =
       fit.deviation.segment(group.first, group.columns) * std::sqrt(attempt.noise_square);
-  const std::string id = id_of(g);
-  if (id == "delay") {
-    deviation.delay += step[0];
-  } else if (id == "armature") {
-    deviation.belief.armature =
-        (deviation.belief.armature + step).cwiseMax(-candidates_.armature());  // none is negative
-  } else if (id == "payload") {
-    deviation.belief.payload += step;
-  } else if (id == "tip_point") {
-    deviation.belief.tip_offset += step;
-  } else {
-    return false;
-  }
-  if (std::find(deviation.moved.begin(), deviation.moved.end(), g) == deviation.moved.end())
-    deviation.moved.push_back(g);
-  return (step.cwiseAbs() - 0.01 * uncertain).maxCoeff() > 0;
+  return (step.cwiseAbs() - 0.1 * uncertain).maxCoeff() > 0;
 }
 
 Deviation Examination::without(int g, Deviation deviation) const {

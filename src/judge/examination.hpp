@@ -10,6 +10,7 @@ namespace osculate {
 struct Reading {
   RowOrder u_order = RowOrder::angular_first;
   QuaternionOrder quaternion_order = QuaternionOrder::w_first;
+  ErrorLaw error_law = ErrorLaw::rotation_vector;
 };
 
 /// The samples of a log as the candidates want them.
@@ -71,7 +72,9 @@ class Examination {
   double price() const { return now_.price; }  // of one column
   /// Mean square of the difference from the model's exact torque as far as the tip feels it: (N m)^2 or N^2.
   double asked() const { return asked_; }
-  /// Part of it that the best explanation leaves, and by which it would grow without one of its groups.
+  /// Mean square that the best explanation leaves: (N m)^2 or N^2.
+  double left_over() const { return left(now_.difference, best()); }
+  /// The same as a part of asked(), and by which part it would grow without one of its groups.
   double rest() const;
   double explained_by(int g) const;
   Sample sample(Eigen::Index k) const { return samples_.at(k); }
@@ -92,9 +95,11 @@ class Examination {
   Difference gather(const Deviation& deviation) const;
   /// Mean square of what a fit leaves: (N m)^2 or N^2.
   double left(const Difference& difference, const Fit& fit) const;
-  bool sensible(const Fit& fit, const std::vector<int>& banned) const;
+  bool sensible(const Fit& fit, const Deviation& deviation, const std::vector<int>& banned) const;
   std::string id_of(int g) const;
   void set_price(const Explanations& all, Attempt& attempt) const;
+  /// Adds what a fit says of this group to the deviation. False for a group that is none of its parameters.
+  bool add_step(int g, const Fit& fit, Deviation& deviation) const;
   /// Moves the deviation by what a fit says of this group. False if nothing changed that matters.
   bool take(int g, const Attempt& attempt, Deviation& deviation) const;
   /// The same deviation without the parameters of this group.
@@ -107,8 +112,8 @@ class Examination {
   Eigen::Index n_;
   std::vector<ColumnGroup> groups_;
   std::vector<Eigen::Index> chosen_;
-  Eigen::Index saturated_ = 0;  // samples left out for that
-  double asked_ = 0;
+  Eigen::Index saturated_ = 0;      // samples left out for that
+  double asked_ = 0, weighed_ = 0;  // the whole difference: mean square, and squares over the noise
   Attempt now_;
 };
 

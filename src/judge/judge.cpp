@@ -16,7 +16,7 @@ using Eigen::Index;
 
 constexpr double significant = 5;  // standard deviations
 constexpr double decisive = 1.5;   // by how much less one reading of a log must leave than the other
-constexpr double unexplained_part = 0.05;
+constexpr double unexplained_part = 2e-3;
 constexpr std::size_t most_doubts = 3;
 constexpr double unseen_deviation = 0.1;  // of a coefficient that is -1 where the term is omitted
 
@@ -33,9 +33,9 @@ std::string percent(double x) {
 /// "-1.00 +- 0.01": as many digits as the deviation allows.
 std::string measured(double value, double deviation) {
   const int digits =
-      deviation > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(deviation))), 2, 4) : 4;
+      deviation > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(deviation))), 2, 6) : 6;
   char text[80];
-  if (deviation < 5e-5)
+  if (deviation < 5e-7)
     std::snprintf(text, sizeof text, "%.*f +- %.1g", digits, value, deviation);
   else
     std::snprintf(text, sizeof text, "%.*f +- %.*f", digits, value, digits, deviation);
@@ -61,7 +61,7 @@ std::string about_term(const std::string& phrase, const Coefficient& c) {
   if (near(c.value, -1, c.deviation)) return "omits " + phrase;
   if (near(c.value, -2, c.deviation)) return "has the wrong sign of " + phrase;
   if (near(c.value, 1, c.deviation)) return "counts " + phrase + " twice";
-  return "takes " + phrase + " times " + number(1 + c.value);
+  return "takes " + phrase + " times " + format("%.6g", 1 + c.value);
 }
 
 class Words {
@@ -130,6 +130,8 @@ class Words {
     }
     if (c.id == "payload") return "believes in another load at the tip than the model's: by " + numbers;
     if (c.id == "tip_point") return "controls another point than the tip: off by " + numbers + ", tip axes";
+    if (c.id == "torque_scale") return "scales torques: by " + numbers;
+    if (c.id == "gravity_vector") return "believes in another gravity: by " + numbers;
     if (c.id == "delay") return "is late: " + numbers;
     return (std::all_of(clear.begin(), clear.end(), [](const Coefficient& v) { return v.value < 0; })
                 ? "lacks " + c.phrase + " of the model, or subtracts some: "
@@ -184,19 +186,26 @@ void add_null_space(const Examination& examination, Judgement& out) {
   }
 }
 
+/// Columns of the best explanation.
+int cost(const Examination& e) {
+  int sum = 0;
+  for (const int g : e.best().groups) sum += e.groups()[static_cast<std::size_t>(g)].columns;
+  return sum;
+}
+
+std::string law_words(bool angular_velocity) {
+  return angular_velocity ? "orientation: omega. = omega_ref. + D (omega_ref - omega) + K e fits best"
+                          : "orientation: e.. + D e. + K e = 0 of the rotation vector e fits best";
+}
+
 /// The better of two readings of a log: the one that leaves less, or needs fewer columns where both leave the
 /// same. Throws LogError with `ask` where nothing decides.
 Examination better(Examination first, Examination second, const std::string& ask, bool& took_first) {
-  const auto columns = [](const Examination& e) {
-    int sum = 0;
-    for (const int g : e.best().groups) sum += e.groups()[static_cast<std::size_t>(g)].columns;
-    return sum;
-  };
-  const double a = first.rest(), b = second.rest();
-  if (std::max(a, b) > decisive * std::min(a, b)) {
+  const double a = first.left_over(), b = second.left_over();
+  if (std::max(a, b) > decisive * decisive * std::min(a, b)) {
     took_first = a < b;
-  } else if (columns(first) != columns(second)) {
-    took_first = columns(first) < columns(second);
+  } else if (cost(first) != cost(second)) {
+    took_first = cost(first) < cost(second);
   } else {
     throw LogError(ask);
   }
@@ -226,17 +235,33 @@ Examination read_and_explain(const Chain<double>& model, const Log& log, const J
                               " rows first, which explains more than the other order; --u-order declares it");
     return found;
   }
+  // From references: most programs follow the angular velocity, osculate the rotation vector.
+  const auto either_law = [&](QuaternionOrder order) {
+    Examination plain = examine({{}, order, ErrorLaw::angular_velocity}, true);
+    Examination exact = examine({{}, order, ErrorLaw::rotation_vector}, true);
+    const bool is_plain =
+        plain.left_over() * decisive * decisive < exact.left_over() ||
+        (plain.left_over() < decisive * decisive * exact.left_over() && cost(plain) < cost(exact));
+    return std::pair(is_plain ? std::move(plain) : std::move(exact), is_plain);
+  };
   const auto order = options.quaternion_order ? options.quaternion_order : log.quaternion_order;
-  if (order) return examine({{}, *order}, true);
-  Examination found =
-      better(examine({{}, QuaternionOrder::w_first}, true), examine({{}, QuaternionOrder::w_last}, true),
-             log.source +
-                 ": the order of the quaternion is not told by the log, and both orders explain it "
-                 "alike; say --quaternion wxyz or --quaternion xyzw",
-             first);
-  out.conventions.push_back(std::string("quaternions are read as ") + (first ? "w x y z" : "x y z w") +
-                            ", which explains more than the other order; --quaternion declares it");
-  return found;
+  auto [found, plain] = either_law(order.value_or(QuaternionOrder::w_first));
+  if (!order) {
+    auto [other, other_plain] = either_law(QuaternionOrder::w_last);
+    Examination chosen =
+        better(std::move(found), std::move(other),
+               log.source +
+                   ": the order of the quaternion is not told by the log, and both orders explain it "
+                   "alike; say --quaternion wxyz or --quaternion xyzw",
+               first);
+    out.conventions.push_back(std::string("quaternions are read as ") + (first ? "w x y z" : "x y z w") +
+                              ", which explains more than the other order; --quaternion declares it");
+    plain = first ? plain : other_plain;
+    out.conventions.push_back(law_words(plain));
+    return chosen;
+  }
+  out.conventions.push_back(law_words(plain));
+  return std::move(found);
 }
 
 void add_doubts(const Examination& examination, const Words& words, Judgement& out) {
@@ -325,7 +350,9 @@ std::string report(const Judgement& j, const std::string& source) {
   out << "\ndifference from the exact torque: " << number(j.difference) << " rms; noise of the log "
       << number(j.noise) << " (N m or N)\n";
   for (const std::string& line : j.conventions) out << "  " << line << "\n";
-  if (!j.gains.empty()) out << "gains as found: " << listed(j.gains) << "\n";
+  if (!j.gains.empty())
+    out << "gains as found, which were not judged (--stiffness and --damping give them): " << listed(j.gains)
+        << "\n";
   switch (j.ruling) {
     case Ruling::right:
       out << "right: no term is missing as far as this log can tell\n";
@@ -335,7 +362,9 @@ std::string report(const Judgement& j, const std::string& source) {
       break;
     case Ruling::unexplained:
       out << "unexplained: " << percent(j.rest) << " of the difference is left"
-          << (j.findings.empty() ? " and nothing known explains it\n" : "; the controller\n");
+          << (j.findings.empty()
+                  ? " and nothing known explains it\n"
+                  : "; there is a mistake that is not known here, and what follows imitates it\n");
       break;
   }
   for (const Finding& finding : j.findings) out << "  - " << finding.sentence << "\n";
@@ -345,7 +374,8 @@ std::string report(const Judgement& j, const std::string& source) {
     });
   };
   if (omitted("jdot_qd") && omitted("coriolis")) out << "  together these two are J* c, (14)\n";
-  if (j.ruling == Ruling::wrong && j.rest > 1e-3) out << "  not explained: " << percent(j.rest) << "\n";
+  const bool left = j.rest * j.difference * j.difference > significant * j.noise * j.noise;
+  if (j.ruling == Ruling::wrong && left) out << "  not explained: " << percent(j.rest) << "\n";
   for (const Doubt& doubt : j.doubts) out << "not sure: " << doubt.sentence << "\n";
   for (const std::string& line : j.unseen) out << "not seen in this log: " << line << "\n";
   for (const Finding& finding : j.null_space)

@@ -17,7 +17,13 @@
 
 namespace osculate {
 
-/// Gains of pose tracking, edd + D ed + K e = 0; for each row, angular first.
+/// What a law of pose tracking prescribes of the orientation, where a log has references in place of u.
+enum class ErrorLaw {
+  rotation_vector,   // e.. + D e. + K e = 0 for the rotation vector e of the error: what osculate does
+  angular_velocity,  // omega. = omega_ref. + D (omega_ref - omega) + K e: what most programs do
+};
+
+/// Gains of pose tracking; for each row, angular first.
 struct Gains {
   Vector6 stiffness = Vector6::Zero();  // 1/s^2
   Vector6 damping = Vector6::Zero();    // 1/s
