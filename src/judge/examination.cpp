@@ -182,8 +182,9 @@ bool Examination::drop_one(std::vector<int>& banned) {
     if (!idle && !is_moved) continue;
     std::vector<int> more = banned;
     more.push_back(g);
-    Attempt simpler = solve(without(g, now_.deviation), more, idle ? nullptr : &now_);
-    if (simpler.fits.empty() || (!idle && simpler.fits.front().score > now_.fits.front().score)) continue;
+    Attempt simpler = solve(without(g, now_.deviation), more, &now_);
+    const double allowed = (idle ? hopeless : 1) * best().score;
+    if (simpler.fits.empty() || simpler.fits.front().score > allowed) continue;
     now_ = std::move(simpler);
     banned = std::move(more);
     return true;
@@ -347,7 +348,12 @@ double Examination::explained_by(int g) const {
   std::erase(others, g);
   const std::vector<int>& moved = now_.deviation.moved;
   const bool in_deviation = std::find(moved.begin(), moved.end(), g) != moved.end();
-  const Difference there = in_deviation ? gather(without(g, now_.deviation)) : now_.difference;
+  Difference there;
+  try {
+    there = in_deviation ? gather(without(g, now_.deviation)) : now_.difference;
+  } catch (const LogError&) {
+    return 1;  // without it the rest is no arm
+  }
   const double more =
       left(there, Explanations(there.regression, groups_).fit(others)) - left(now_.difference, best());
   return asked_ > 0 ? std::clamp(more / asked_, 0.0, 1.0) : 0;

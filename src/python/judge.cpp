@@ -1,6 +1,7 @@
 // osculate.judge: which terms of the exact law a logged torque lacks.
 #include "judge/judge.hpp"
 
+#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include "python/bindings.hpp"

@@ -19,10 +19,24 @@ struct Block {
   std::vector<double> values;
 };
 
+/// Names of the links of a group; other programs' files need not know the order of their creation.
+std::vector<std::string> names_in(hid_t group, const std::string& where, const Check& check) {
+  H5G_info_t info;
+  check(H5Gget_info(group, &info), "list the objects in", where);
+  std::vector<std::string> out;
+  for (hsize_t i = 0; i < std::min<hsize_t>(info.nlinks, limits::objects); ++i) {
+    char name[256] = "";
+    check(H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, name, sizeof name, H5P_DEFAULT),
+          "list the objects in", where);
+    out.emplace_back(name);
+  }
+  return out;
+}
+
 void read_group(hid_t group, const std::string& where, int depth, const Check& check,
                 std::vector<Block>& blocks) {
   if (depth > limits::group_depth) return;
-  for (const std::string& name : hdf5::children(group, where, check)) {
+  for (const std::string& name : names_in(group, where.empty() ? "/" : where, check)) {
     const std::string path = where.empty() ? name : where + "/" + name;
     if (blocks.size() > limits::objects)
       throw FileError(check.file.string() + ": holds more than " + std::to_string(limits::objects) +

@@ -39,9 +39,14 @@ class Judge(unittest.TestCase):
         cls.directory = tempfile.TemporaryDirectory()
         cls.at = pathlib.Path(cls.directory.name)
         for law in TRUTH:
-            subprocess.run([OSCULATE, "run", SOURCE / "experiments/puma560_circle.yaml", "--set", f"controller.law={law}",
-                            "--set", "duration=2", "--set", "verify.shadow=false", "-o", cls.at / f"{law}.h5", "--quiet"],
-                           capture_output=True, check=False)  # laws that leave a term out fail claims
+            cls.run_law(law, law)
+
+    @classmethod
+    def run_law(cls, law, name, *sets):
+        more = [word for assignment in sets for word in ("--set", assignment)]
+        subprocess.run([OSCULATE, "run", SOURCE / "experiments/puma560_circle.yaml", "--set", f"controller.law={law}",
+                        "--set", "duration=2", "--set", "verify.shadow=false", *more, "-o", cls.at / f"{name}.h5",
+                        "--quiet", "--force"], capture_output=True, check=False)  # laws that leave a term out fail claims
 
     @classmethod
     def tearDownClass(cls):
@@ -63,7 +68,9 @@ class Judge(unittest.TestCase):
                         self.assertAlmostEqual(abs(value), 1, delta=1e-3)
 
     def columns(self, law):
-        with h5py.File(self.at / f"{law}.h5") as f:
+        """Of a law that does not compensate friction, which a log of another program could not say."""
+        self.run_law(law, "plain", "controller.compensate_friction=false")
+        with h5py.File(self.at / "plain.h5") as f:
             t, g = f["time"][:], f["trajectory"]
             return t, g["joint_position"][:], g["joint_velocity"][:], g["joint_torque"][:], g["command"][:]
 
@@ -79,15 +86,12 @@ class Judge(unittest.TestCase):
 
     def test_csv_of_another_program(self):
         t, q, qd, tau, u = self.columns("gravity_only")
-        friction = self.columns("operational_space")  # the file's law compensates friction that --viscous lacks
         log = self.write_csv("log.csv", [("t", t), (self.numbered("q", 6), q), (self.numbered("qd", 6), qd),
                                          (self.numbered("tau", 6), tau), ("u_wx,u_wy,u_wz,u_vx,u_vy,u_vz", u)])
         found = self.judged(log, *MODEL, "--armature", ARMATURE, expect=1)
-        names = {f["term"] for f in found["findings"]}
-        self.assertLessEqual({"jdot_qd", "coriolis"}, names)
-        self.assertEqual(len(friction), 5)
+        self.assertEqual({f["term"] for f in found["findings"]}, {"jdot_qd", "coriolis"})
         said = osculate("judge", log, *MODEL, "--armature", ARMATURE, expect=1).stdout
-        self.assertIn("omits J* Lambda Jdot qd (coefficient -1.0", said)
+        self.assertIn("omits J* Lambda Jdot qd (coefficient ", said)
 
     def test_hdf5_of_another_program_and_the_order_of_u(self):
         t, q, qd, tau, u = self.columns("no_coriolis")
@@ -97,7 +101,7 @@ class Judge(unittest.TestCase):
             f["u"] = np.hstack([u[:, 3:], u[:, :3]])
         arguments = [path, *MODEL, "--armature", ARMATURE]
         found = self.judged(*arguments, "--u-order", "linear", expect=1)
-        self.assertIn("coriolis", {f["term"] for f in found["findings"]})
+        self.assertEqual({f["term"] for f in found["findings"]}, {"coriolis"})
         self.assertEqual(found["conventions"], [])
         found = self.judged(*arguments, expect=1)
         self.assertIn("linear rows first", found["conventions"][0])
