@@ -55,11 +55,12 @@ constexpr std::array<TextbookLawInfo, 8> laws{{
      "Khatib 1987; (16) of Kreutz-Delgado, Jain and Rodriguez 1992; Nakanishi et al. 2008 as the dynamically "
      "consistent law"},
     {TextbookLaw::no_jdot_qd, "no_jdot_qd", "Jdot qd",
-     "robosuite's operational space controller, which compensates C and G only; abr_control with use_C"},
+     "robosuite's operational space controller, which compensates C and G only; abr_control with use_C; "
+     "mjctrl"},
     {TextbookLaw::no_coriolis, "no_coriolis", "C",
      "the other half of what gravity_only leaves out, alone; not known to be in use"},
     {TextbookLaw::gravity_only, "gravity_only", "C and Jdot qd",
-     "SAI primitives; abr_control as it comes; mjctrl; the operational space controllers of Isaac Lab and "
+     "SAI primitives; abr_control as it comes; the operational space controllers of Isaac Lab and "
      "Newton"},
     {TextbookLaw::block_inertia, "block_inertia",
      "the coupling of turning and sliding in Lambda, and Jdot qd",

@@ -2,8 +2,8 @@
 #include <string_view>
 
 #include "input/limits.hpp"
-#include "input/read_text.hpp"
 #include "input/named_columns.hpp"
+#include "input/read_text.hpp"
 
 namespace osculate {
 

@@ -152,21 +152,37 @@ Examination::Examination(const Chain<double>& model, const Log& log, const Judge
       chosen_.push_back(k);
 }
 
+bool Examination::weigh(const Deviation& none) {
+  now_ = {};
+  now_.deviation = none;
+  now_.difference = gather(none);
+  asked_ = std::pow(now_.difference.size, 2);
+  weighed_ = now_.difference.regression.d.squaredNorm();
+  const Eigen::Index columns = now_.difference.regression.X.cols();
+  now_.fits = {{{}, Vector::Zero(columns), Vector::Zero(columns), weighed_, weighed_}};
+  // White noise is never larger than what it is part of: then the noise is the floor that rounding sets.
+  return now_.difference.size > 0.5 * now_.difference.noise;
+}
+
+void Examination::glance() {
+  Deviation none;
+  none.belief.armature.setZero(n_);
+  if (weigh(none)) now_ = solve(none, {}, nullptr, 1);
+}
+
 void Examination::explain() {
   Deviation none;
   none.belief.armature.setZero(n_);
-  const Difference whole = gather(none);
-  asked_ = std::pow(whole.size, 2);
-  weighed_ = whole.regression.d.squaredNorm();
+  if (!weigh(none)) return;
   std::vector<int> banned;
-  now_ = solve(none, banned, nullptr);
+  now_ = solve(none, banned, nullptr, rounds);
   // An armature that is left out whole changes the arm too much for the first step to find it.
   for (int g = 0; g < delay_group(); ++g) {
     if (id_of(g) != "armature" || candidates_.armature().maxCoeff() == 0) continue;
     Deviation omitted = none;
     omitted.belief.armature = -candidates_.armature();
     omitted.moved = {g};
-    Attempt other = solve(omitted, banned, &now_);
+    Attempt other = solve(omitted, banned, &now_, rounds);
     if (!other.fits.empty() && other.fits.front().score < now_.fits.front().score) now_ = std::move(other);
   }
   while (drop_one(banned)) continue;
@@ -182,7 +198,7 @@ bool Examination::drop_one(std::vector<int>& banned) {
     if (!idle && !is_moved) continue;
     std::vector<int> more = banned;
     more.push_back(g);
-    Attempt simpler = solve(without(g, now_.deviation), more, &now_);
+    Attempt simpler = solve(without(g, now_.deviation), more, &now_, rounds);
     const double allowed = (idle ? hopeless : 1) * best().score;
     if (simpler.fits.empty() || simpler.fits.front().score > allowed) continue;
     now_ = std::move(simpler);
@@ -193,10 +209,10 @@ bool Examination::drop_one(std::vector<int>& banned) {
 }
 
 Examination::Attempt Examination::solve(const Deviation& start, const std::vector<int>& banned,
-                                        const Attempt* rival) const {
+                                        const Attempt* rival, int most) const {
   Attempt out;
   Deviation next = start;
-  for (int round = 0; round < rounds; ++round) {
+  for (int round = 0; round < most; ++round) {
     Difference difference;
     try {
       difference = gather(next);
@@ -211,8 +227,9 @@ Examination::Attempt Examination::solve(const Deviation& start, const std::vecto
     std::vector<int> always = out.deviation.moved;
     for (std::size_t g = 0; g < candidates_.list().size(); ++g)
       if (candidates_.list()[g].kind == Kind::gains) always.push_back(static_cast<int>(g));
-    out.fits = all.search(always, out.price, doubt_margin * out.noise_square,
-                          [&](const Fit& fit) { return sensible(fit, out.deviation, banned); });
+    out.fits =
+        all.search(always, out.price, std::max(doubt_margin * out.noise_square, 1e-2 * least_part * weighed_),
+                   [&](const Fit& fit) { return sensible(fit, out.deviation, banned); });
     if (rival && round >= 1 && out.fits.front().score > hopeless * rival->fits.front().score) break;
     bool moved = false;
     for (const int g : out.fits.front().groups) moved = take(g, out, next) || moved;
@@ -235,10 +252,10 @@ Difference Examination::gather(const Deviation& deviation) const {
   Difference out;
   out.left_out = saturated_;
   out.sigma.resize(n_);
-  for (Index j = 0; j < n_; ++j) {
-    const double floor = std::max(3e-7 * rms(d.col(j)), 1e-10 * rms(log_.tau.col(j)));
-    out.sigma[j] = std::max({noise_of(finite(d.col(j))), floor, 1e-300});
-  }
+  // Rounding of the largest torques reaches all joints.
+  const double rounding = 1e-10 * log_.tau.norm() / std::sqrt(static_cast<double>(log_.tau.size()));
+  for (Index j = 0; j < n_; ++j)
+    out.sigma[j] = std::max({noise_of(finite(d.col(j))), 3e-7 * rms(d.col(j)), rounding, 1e-300});
   const auto rows = static_cast<Index>(chosen_.size()) * n_;
   const int columns = candidates_.columns() + 1, null_columns = candidates_.null_columns();
   Regression& r = out.regression;

@@ -19,6 +19,7 @@ class Samples {
   Samples(const Log& log, const JudgeOptions& options, const Reading& reading)
       : log_(log), options_(options), reading_(reading) {}
   Sample at(Eigen::Index k) const;
+  const Reading& reading() const { return reading_; }
 
  private:
   const Log& log_;
@@ -54,6 +55,9 @@ class Examination {
   /// Newton; those without which the rest explains as much are dropped again. Throws LogError if too few
   /// samples can be used.
   void explain();
+  /// The first round of explain() alone: enough to compare readings.
+  void glance();
+  const Reading& reading() const { return samples_.reading(); }
 
   /// The best explanation, and all that are not much worse: see Explanations::search.
   const Fit& best() const { return now_.fits.front(); }
@@ -87,9 +91,11 @@ class Examination {
     double noise_square = 1, price = 0;
     std::vector<Fit> fits;
   };
-  /// Rounds of Gauss and Newton from `start`, without the groups in `banned`; given up where the score is far
-  /// above that of `rival`. Without fits where `start` is no arm.
-  Attempt solve(const Deviation& start, const std::vector<int>& banned, const Attempt* rival) const;
+  /// The whole difference from the model's exact law. False where it is no more than rounding.
+  bool weigh(const Deviation& none);
+  /// Up to `most` rounds of Gauss and Newton from `start`, without the groups in `banned`; given up where the
+  /// score is far above that of `rival`. Without fits where `start` is no arm.
+  Attempt solve(const Deviation& start, const std::vector<int>& banned, const Attempt* rival, int most) const;
   /// Bans a group that explains next to nothing, or whose parameters nothing needs. False if there is none.
   bool drop_one(std::vector<int>& banned);
   Difference gather(const Deviation& deviation) const;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <list>
 #include <sstream>
 
 #include "judge/deciding_motion.hpp"
@@ -15,7 +17,9 @@ namespace {
 using Eigen::Index;
 
 constexpr double significant = 5;  // standard deviations
-constexpr double decisive = 1.5;   // by how much less one reading of a log must leave than the other
+constexpr double decisive = 2;     // squares: one reading of a log must leave so much less than another
+constexpr double hopeless =
+    10;  // squares: a reading that leaves so much more at first sight is not looked at
 constexpr double unexplained_part = 2e-3;
 constexpr std::size_t most_doubts = 3;
 constexpr double unseen_deviation = 0.1;  // of a coefficient that is -1 where the term is omitted
@@ -193,75 +197,71 @@ int cost(const Examination& e) {
   return sum;
 }
 
-std::string law_words(bool angular_velocity) {
-  return angular_velocity ? "orientation: omega. = omega_ref. + D (omega_ref - omega) + K e fits best"
-                          : "orientation: e.. + D e. + K e = 0 of the rotation vector e fits best";
-}
-
-/// The better of two readings of a log: the one that leaves less, or needs fewer columns where both leave the
-/// same. Throws LogError with `ask` where nothing decides.
-Examination better(Examination first, Examination second, const std::string& ask, bool& took_first) {
-  const double a = first.left_over(), b = second.left_over();
-  if (std::max(a, b) > decisive * decisive * std::min(a, b)) {
-    took_first = a < b;
-  } else if (cost(first) != cost(second)) {
-    took_first = cost(first) < cost(second);
-  } else {
-    throw LogError(ask);
+/// Explains the log under each reading and takes the one that leaves least; where several leave the same, the
+/// one with the fewest columns. Throws LogError with `ask` where readings of another order are as good.
+Examination best_reading(const Chain<double>& model, const Log& log, const JudgeOptions& options,
+                         const std::vector<Reading>& readings, bool order_known, const std::string& ask) {
+  std::list<Examination> all;
+  for (const Reading& reading : readings) {
+    all.emplace_back(model, log, options, reading, order_known);
+    if (readings.size() > 1) all.back().glance();
   }
-  return took_first ? std::move(first) : std::move(second);
+  const auto least = [&all] {
+    double out = std::numeric_limits<double>::infinity();
+    for (const Examination& e : all) out = std::min(out, e.left_over());
+    return out;
+  };
+  if (all.size() > 1)
+    std::erase_if(all, [limit = hopeless * least()](const Examination& e) { return e.left_over() > limit; });
+  for (Examination& e : all) e.explain();
+  std::erase_if(all, [limit = decisive * least()](const Examination& e) { return e.left_over() > limit; });
+  const auto simplest = std::min_element(
+      all.begin(), all.end(), [](const Examination& a, const Examination& b) { return cost(a) < cost(b); });
+  for (const Examination& e : all)
+    if (cost(e) == cost(*simplest) && (e.reading().u_order != simplest->reading().u_order ||
+                                       e.reading().quaternion_order != simplest->reading().quaternion_order))
+      throw LogError(log.source + ask);
+  return std::move(*simplest);
 }
 
 /// How the log is read: as declared, or else as explains it better.
 Examination read_and_explain(const Chain<double>& model, const Log& log, const JudgeOptions& options,
                              Judgement& out) {
-  const auto examine = [&](const Reading& how, bool order_known) {
-    Examination e(model, log, options, how, order_known);
-    e.explain();
-    return e;
-  };
-  bool first = true;
+  constexpr const char* better = " explains more than the other order; ";
   if (log.u) {
     const auto order = options.u_order ? options.u_order : log.u_order;
-    if (order || options.rows.size() < 6)
-      return examine({order.value_or(RowOrder::angular_first), {}}, !!order);
+    const bool open = !order && options.rows.size() == 6;
+    std::vector<Reading> readings{{order.value_or(RowOrder::angular_first), {}, {}}};
+    if (open) readings.push_back({RowOrder::linear_first, {}, {}});
     Examination found =
-        better(examine({RowOrder::angular_first, {}}, false), examine({RowOrder::linear_first, {}}, false),
-               log.source +
-                   ": u has six numbers in an order that the log does not tell, and both orders "
-                   "explain it alike; say --u-order angular or --u-order linear",
-               first);
-    out.conventions.push_back(std::string("u is read with the ") + (first ? "angular" : "linear") +
-                              " rows first, which explains more than the other order; --u-order declares it");
+        best_reading(model, log, options, readings, order.has_value(),
+                     ": u has six numbers in an order that the log does not tell, and both orders "
+                     "explain it alike; say --u-order angular or --u-order linear");
+    if (open)
+      out.conventions.push_back(std::string("u with the ") +
+                                (found.reading().u_order == RowOrder::angular_first ? "angular" : "linear") +
+                                " rows first" + better + "--u-order declares it");
     return found;
   }
-  // From references: most programs follow the angular velocity, osculate the rotation vector.
-  const auto either_law = [&](QuaternionOrder order) {
-    Examination plain = examine({{}, order, ErrorLaw::angular_velocity}, true);
-    Examination exact = examine({{}, order, ErrorLaw::rotation_vector}, true);
-    const bool is_plain =
-        plain.left_over() * decisive * decisive < exact.left_over() ||
-        (plain.left_over() < decisive * decisive * exact.left_over() && cost(plain) < cost(exact));
-    return std::pair(is_plain ? std::move(plain) : std::move(exact), is_plain);
-  };
+  // Most programs follow the angular velocity of the reference, osculate the rotation vector of the error.
   const auto order = options.quaternion_order ? options.quaternion_order : log.quaternion_order;
-  auto [found, plain] = either_law(order.value_or(QuaternionOrder::w_first));
-  if (!order) {
-    auto [other, other_plain] = either_law(QuaternionOrder::w_last);
-    Examination chosen =
-        better(std::move(found), std::move(other),
-               log.source +
+  std::vector<Reading> readings;
+  for (const QuaternionOrder one : {QuaternionOrder::w_first, QuaternionOrder::w_last})
+    for (const ErrorLaw law : {ErrorLaw::rotation_vector, ErrorLaw::angular_velocity})
+      if (!order || one == *order) readings.push_back({{}, one, law});
+  Examination found =
+      best_reading(model, log, options, readings, true,
                    ": the order of the quaternion is not told by the log, and both orders explain it "
-                   "alike; say --quaternion wxyz or --quaternion xyzw",
-               first);
-    out.conventions.push_back(std::string("quaternions are read as ") + (first ? "w x y z" : "x y z w") +
-                              ", which explains more than the other order; --quaternion declares it");
-    plain = first ? plain : other_plain;
-    out.conventions.push_back(law_words(plain));
-    return chosen;
-  }
-  out.conventions.push_back(law_words(plain));
-  return std::move(found);
+                   "alike; say --quaternion wxyz or --quaternion xyzw");
+  if (!order)
+    out.conventions.push_back(
+        std::string("quaternions as ") +
+        (found.reading().quaternion_order == QuaternionOrder::w_first ? "w x y z" : "x y z w") + better +
+        "--quaternion declares it");
+  out.conventions.push_back(found.reading().error_law == ErrorLaw::angular_velocity
+                                ? "orientation: omega. = omega_ref. + D (omega_ref - omega) + K e fits best"
+                                : "orientation: e.. + D e. + K e = 0 of the rotation vector e fits best");
+  return found;
 }
 
 void add_doubts(const Examination& examination, const Words& words, Judgement& out) {

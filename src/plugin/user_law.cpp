@@ -9,9 +9,9 @@
 #include <fstream>
 #include <iterator>
 
+#include "input/sha256.hpp"
 #include "plugin/helper_process.hpp"
 #include "plugin/line_protocol.hpp"
-#include "input/sha256.hpp"
 #include "plugin/shared_library.hpp"
 
 namespace osculate {
