@@ -10,6 +10,7 @@
 #include "control/reference.hpp"
 #include "control/rotation.hpp"
 #include "input/limits.hpp"
+#include "input/named_columns.hpp"
 #include "input/read_text.hpp"
 
 namespace osculate {
@@ -18,7 +19,6 @@ namespace {
 
 constexpr std::string_view plain_header = "t,x,y,z";
 constexpr std::string_view oriented_header = "t,x,y,z,qw,qx,qy,qz";
-constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // spreadsheets put it before the header
 
 struct Waypoint {
   int line = 0;                                 // of the file
@@ -43,24 +43,6 @@ std::string text(double value) {
   return {buffer, end};
 }
 
-std::string_view trimmed(std::string_view s) {
-  constexpr std::string_view blank = " \t\r";
-  const auto begin = s.find_first_not_of(blank);
-  if (begin == s.npos) return {};
-  return s.substr(begin, s.find_last_not_of(blank) - begin + 1);
-}
-
-/// The fields between commas, without blanks around them.
-std::vector<std::string_view> fields(std::string_view line) {
-  std::vector<std::string_view> out;
-  for (;;) {
-    const auto comma = line.find(',');
-    out.push_back(trimmed(line.substr(0, comma)));
-    if (comma == line.npos) return out;
-    line.remove_prefix(comma + 1);
-  }
-}
-
 double number(const Place& place, std::string_view column, std::string_view field) {
   std::string_view digits = field;
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
@@ -74,7 +56,7 @@ double number(const Place& place, std::string_view column, std::string_view fiel
 /// Whether the file gives orientations.
 bool read_header(const Place& place, std::string_view line) {
   std::string names;
-  for (const auto field : fields(line)) names += (names.empty() ? "" : ",") + std::string(field);
+  for (const auto field : fields_of(line)) names += (names.empty() ? "" : ",") + std::string(field);
   if (names != plain_header && names != oriented_header)
     reject(place, "header '" + names + "': must be " + std::string(plain_header) + " or " +
                       std::string(oriented_header));
@@ -82,8 +64,8 @@ bool read_header(const Place& place, std::string_view line) {
 }
 
 Waypoint read_row(const Place& place, std::string_view line, bool oriented) {
-  const auto columns = fields(oriented ? oriented_header : plain_header);
-  const auto row = fields(line);
+  const auto columns = fields_of(oriented ? oriented_header : plain_header);
+  const auto row = fields_of(line);
   if (row.size() != columns.size())
     reject(place, std::to_string(row.size()) + " values: must be " + std::to_string(columns.size()) +
                       ", as in the header");

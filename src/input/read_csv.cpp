@@ -7,17 +7,14 @@
 
 namespace osculate {
 
-namespace {
-
-constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // spreadsheets put it before the header
-
-std::string_view trimmed(std::string_view s) {
-  constexpr std::string_view blank = " \t\r\"";
-  const auto begin = s.find_first_not_of(blank);
-  return begin == s.npos ? std::string_view{} : s.substr(begin, s.find_last_not_of(blank) - begin + 1);
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view blank = " \t\r";
+  const auto begin = text.find_first_not_of(blank);
+  return begin == text.npos ? std::string_view{}
+                            : text.substr(begin, text.find_last_not_of(blank) - begin + 1);
 }
 
-std::vector<std::string_view> fields(std::string_view line) {
+std::vector<std::string_view> fields_of(std::string_view line) {
   std::vector<std::string_view> out;
   for (;;) {
     const auto comma = line.find(',');
@@ -26,8 +23,6 @@ std::vector<std::string_view> fields(std::string_view line) {
     line.remove_prefix(comma + 1);
   }
 }
-
-}  // namespace
 
 ColumnsFile read_csv(const std::filesystem::path& file) {
   auto [text, fault] = read_text(file, limits::log_bytes, "give a CSV file with a header of names");
@@ -43,10 +38,14 @@ ColumnsFile read_csv(const std::filesystem::path& file) {
     const std::string_view line = trimmed(rest.substr(0, end));
     rest.remove_prefix(end == rest.npos ? rest.size() : end + 1);
     if (line.empty() || line.front() == '#') continue;
-    const auto items = fields(line);
+    const auto items = fields_of(line);
     NamedColumns& table = out.table;
     if (table.names.empty()) {
-      for (const auto item : items) table.names.emplace_back(item);
+      for (std::string_view item : items) {
+        while (item.starts_with('"')) item.remove_prefix(1);
+        while (item.ends_with('"')) item.remove_suffix(1);
+        table.names.emplace_back(item);
+      }
       table.columns.resize(items.size());
       continue;
     }

@@ -17,21 +17,6 @@ const std::vector<std::string> singles{
     "uncoupled_lambda", "swapped_rows",         "u_in_tip_frame", "u_turned_to_tip",
     "tip_point",        "spatial_acceleration", "delay"};
 
-JudgeOptions options_for(const JudgedArm& arm) {
-  JudgeOptions out;
-  out.rows = arm.rows;
-  for (const double viscous : arm.viscous) out.friction.push_back({viscous, 0, 0, 1e-2});
-  return out;
-}
-
-/// The mistakes found; friction that is wholly omitted is found as a term of the model.
-Mistakes named(const Judgement& judgement) {
-  Mistakes out;
-  for (const Finding& finding : judgement.findings)
-    out.insert(finding.term == "friction_model" ? "viscous" : finding.term);
-  return out;
-}
-
 bool turned(const Mistakes& made) {
   return made.contains("swapped_rows") || made.contains("u_in_tip_frame") || made.contains("u_turned_to_tip");
 }
@@ -49,7 +34,7 @@ int main(int argc, char** argv) {
     const JudgedArm arm = judged_arm(argv[1]);
     const Log log = simulate(arm, Mistakes(argv + 2, argv + argc),
                              {.in_charge = !turned(Mistakes(argv + 2, argv + argc))});
-    std::cout << report(judge(arm.chain, log, options_for(arm)), log.source);
+    std::cout << report(judge(arm.chain, log, judge_options(arm)), log.source);
     return 0;
   }
   std::vector<Mistakes> cases{{}};
@@ -66,7 +51,7 @@ int main(int argc, char** argv) {
       const JudgedArm arm = judged_arm(name);
       // With u turned the loop is unstable: then the right law moves the arm.
       const Log log = simulate(arm, made, {.in_charge = !turned(made)});
-      const Judgement judgement = judge(arm.chain, log, options_for(arm));
+      const Judgement judgement = judge(arm.chain, log, judge_options(arm));
       const bool right = named(judgement) == made;
       wrong += right ? 0 : 1;
       std::printf(" %s%s |", right ? "named" : joined(named(judgement)).c_str(),

@@ -13,17 +13,8 @@ using Eigen::Index;
 namespace {
 
 JudgeOptions options_for(const JudgedArm& arm) {
-  JudgeOptions out;
-  out.rows = arm.rows;
+  JudgeOptions out = judge_options(arm);
   out.samples = 200;
-  for (const double viscous : arm.viscous) out.friction.push_back({viscous, 0, 0, 1e-2});
-  return out;
-}
-
-Mistakes named(const Judgement& judgement) {
-  Mistakes out;
-  for (const Finding& finding : judgement.findings)
-    out.insert(finding.term == "friction_model" ? "viscous" : finding.term);
   return out;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "control/pose_error.hpp"
-#include "judge/log.hpp"
+#include "judge/judge.hpp"
 #include "model/pose.hpp"
 #include "model/urdf.hpp"
 #include "reference/dense.hpp"
@@ -192,6 +192,22 @@ inline Log simulate(const JudgedArm& arm, const Mistakes& mistakes, const LogCho
     log.u_order = RowOrder::angular_first;
   }
   return log;
+}
+
+/// What the exact law of this arm is.
+inline JudgeOptions judge_options(const JudgedArm& arm) {
+  JudgeOptions out;
+  out.rows = arm.rows;
+  for (const double viscous : arm.viscous) out.friction.push_back({viscous, 0, 0, 1e-2});
+  return out;
+}
+
+/// The mistakes found; friction that is wholly omitted is found as a term of the model.
+inline Mistakes named(const Judgement& judgement) {
+  Mistakes out;
+  for (const Finding& finding : judgement.findings)
+    out.insert(finding.term == "friction_model" ? "viscous" : finding.term);
+  return out;
 }
 
 }  // namespace osculate
