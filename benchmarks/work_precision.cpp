@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "benchmarks/anchor_peers.hpp"
-#include "benchmarks/arms.hpp"
 #include "control/linear_response.hpp"
 #include "experiment/make_loop.hpp"
 #include "experiment/simulation.hpp"
 #include "experiment/stops.hpp"
+#include "jury/engines.hpp"
 
 using namespace osculate;
 
@@ -199,7 +199,7 @@ class Bench {
     const Controller& controller = loop_.controller();
     const TipReference start = tip_reference(controller.path(), controller.initial(), 0);
     const auto q = loop_.q(start_.data());
-    return {bench::arm_of(loop_.plant().chain),
+    return {jury::arm_of(loop_.plant().chain),
             {q.begin(), q.end()},
             experiment_.duration,
             experiment_.controller.stiffness[3],

@@ -197,6 +197,13 @@ int cost(const Examination& e) {
   return sum;
 }
 
+/// Correlation of each sample's rest (n numbers) with that of the next: 0 for white noise, 1 for what is
+/// smooth.
+double hangs_together(const VectorX<double>& rest, Index n) {
+  const Index most = rest.size() - n;
+  return rest.head(most).dot(rest.tail(most)) / std::max(rest.squaredNorm(), 1e-300);
+}
+
 /// Explains the log under each reading and takes the one that leaves least; where several leave the same, the
 /// one with the fewest columns. Throws LogError with `ask` where readings of another order are as good.
 Examination best_reading(const Chain<double>& model, const Log& log, const JudgeOptions& options,
@@ -335,9 +342,11 @@ Judgement judge(const Chain<double>& model, const Log& log, const JudgeOptions& 
   add_doubts(examination, words, out);
   add_unseen(examination, all, words, out);
   add_null_space(examination, out);
-  // What is left, against the noise of neighbouring samples.
+  // What is left, against the noise of neighbouring samples. White noise is no mistake: gains make that of q
+  // larger.
   const double left = best.rss / static_cast<double>(difference.regression.d.size());
-  const bool explained = left < significant * significant || out.rest < unexplained_part;
+  const bool explained = left < significant * significant || out.rest < unexplained_part ||
+                         hangs_together(all.rest(best), model.velocities()) < 0.3;
   out.ruling = !explained ? Ruling::unexplained : out.findings.empty() ? Ruling::right : Ruling::wrong;
   return out;
 }

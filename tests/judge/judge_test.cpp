@@ -112,6 +112,8 @@ TEST_CASE("two mistakes are told apart, on a redundant arm too") {
 TEST_CASE("from references in place of u: gains are found, and mistakes of the error") {
   const JudgedArm arm = judged_arm("puma560");
   const LogChoice choice{.seconds = 1, .with_reference = true};
+  // The gains make the noise of q that of u: no mistake either.
+  CHECK(judged(arm, {}, {.seconds = 1, .noise = 1e-3, .with_reference = true}).ruling == Ruling::right);
   const Judgement right = judged(arm, {}, choice);
   CHECK(right.ruling == Ruling::right);
   REQUIRE(right.gains.size() == 4);
