@@ -331,8 +331,9 @@ Judgement judge(const Chain<double>& model, const Log& log, const JudgeOptions& 
     const Candidate c = words.candidate(g);
     if (c.kind == Kind::gains) {
       out.gains = words.coefficients(c, best);
-      for (Coefficient& gain : out.gains)
-        gain.name = c.names[static_cast<std::size_t>(&gain - out.gains.data())];
+      for (const Coefficient& gain : out.gains)
+        if (gain.value < -significant * gain.deviation)
+          out.findings.push_back({"gains", "has the wrong sign of a gain: " + measured(gain), {gain}, 0});
     } else {
       out.findings.push_back(words.finding(g));
     }
