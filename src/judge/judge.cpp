@@ -21,6 +21,7 @@ constexpr double decisive = 2;     // squares: one reading of a log must leave s
 constexpr double hopeless =
     10;  // squares: a reading that leaves so much more at first sight is not looked at
 constexpr double unexplained_part = 2e-3;
+constexpr double white = 0.3;  // correlation of neighbouring samples below which a rest is noise
 constexpr std::size_t most_doubts = 3;
 constexpr double unseen_deviation = 0.1;  // of a coefficient that is -1 where the term is omitted
 
@@ -347,7 +348,7 @@ Judgement judge(const Chain<double>& model, const Log& log, const JudgeOptions& 
   // larger.
   const double left = best.rss / static_cast<double>(difference.regression.d.size());
   const bool explained = left < significant * significant || out.rest < unexplained_part ||
-                         hangs_together(all.rest(best), model.velocities()) < 0.3;
+                         hangs_together(all.rest(best), model.velocities()) < white;
   out.ruling = !explained ? Ruling::unexplained : out.findings.empty() ? Ruling::right : Ruling::wrong;
   return out;
 }

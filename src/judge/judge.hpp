@@ -2,7 +2,7 @@
 //
 // The exact torque of (16), T = J* Lambda (u + J M^-1 (C + G) - Jdot qd) + friction, is computed at every
 // sample by the dense definitions. tau - T is then explained by as few candidates as the noise of the log
-// allows: each subset of up to three is fitted, larger ones are built from the best. With more joints than
+// allows: each subset of up to four is fitted, larger ones are built from the best. With more joints than
 // task rows only what the tip feels of the difference is judged; the rest is told apart, because any torque
 // in the null space is right.
 #pragma once
