@@ -80,8 +80,8 @@ std::vector<std::string> state_kinds(const ReferenceData& data) {
   return out;
 }
 
-void write_hdf5(const ReferenceOptions& options, const ArmDescription& arm, const TaskRows& rows,
-                const ReferenceData& data) {
+void write_hdf5_file(const ReferenceOptions& options, const ArmDescription& arm, const TaskRows& rows,
+                     const ReferenceData& data) {
   const CoordinateNames names = coordinate_names(arm.joints);
   const std::vector<std::string> spatial(std::begin(row_names), std::end(row_names)), xyz{"x", "y", "z"};
   std::vector<std::string> task;
@@ -159,8 +159,8 @@ const double* nested(Json& json, const double* at, const std::vector<std::size_t
   return at;
 }
 
-void write_json(const ReferenceOptions& options, const ArmDescription& arm, const TaskRows& rows,
-                const ReferenceData& data) {
+void write_json_file(const ReferenceOptions& options, const ArmDescription& arm, const TaskRows& rows,
+                     const ReferenceData& data) {
   if (std::filesystem::exists(options.output) && !options.force)
     throw FileError(options.output.string() +
                     ": exists already; use --force to overwrite it, or choose another output");
@@ -278,7 +278,7 @@ Exit reference(const ReferenceOptions& options, std::ostream& out, std::ostream&
     require_articulated(arm.chain, arm, {state.q.data(), static_cast<std::size_t>(state.q.size())});
   const ReferenceData data = jury::reference_data(arm, rows, std::move(states));
 
-  (kind == ".h5" ? write_hdf5 : write_json)(options, arm, rows, data);
+  (kind == ".h5" ? write_hdf5_file : write_json_file)(options, arm, rows, data);
   long singular = 0;
   for (const int rank : data.rank) singular += rank < static_cast<int>(rows.size());
   char worst[32];

@@ -1,33 +1,27 @@
 #include "control/reference.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 
 #include "control/rotation.hpp"
+#include "input/number_text.hpp"
 
 namespace osculate {
 
 namespace {
-
-std::string text(double value) {
-  char buffer[32];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
-  return {buffer, end};
-}
 
 [[noreturn]] void reject(const std::string& name, const std::string& value, const std::string& remedy) {
   throw ReferenceError("reference." + name + " = " + value + ": " + remedy + ".");
 }
 
 void require_finite(const std::string& name, double value, const std::string& unit) {
-  if (!std::isfinite(value)) reject(name, text(value) + " " + unit, "must be a finite number");
+  if (!std::isfinite(value)) reject(name, number_text(value) + " " + unit, "must be a finite number");
 }
 
 void require_positive(const std::string& name, double value, const std::string& unit) {
   require_finite(name, value, unit);
-  if (value <= 0) reject(name, text(value) + " " + unit, "must be > 0");
+  if (value <= 0) reject(name, number_text(value) + " " + unit, "must be > 0");
 }
 
 std::string entry(const std::string& name, int row) { return name + "[" + std::to_string(row) + "]"; }
@@ -113,7 +107,7 @@ class Circle final : public Path {
  public:
   explicit Circle(const CircleOptions& options) : radius(options.radius) {
     require_finite("radius", radius, "m");
-    if (radius < 0) reject("radius", text(radius) + " m", "must be >= 0");
+    if (radius < 0) reject("radius", number_text(radius) + " m", "must be >= 0");
     require_positive("period", options.period, "s");
     const std::string axes = "xyz";
     const auto& plane = options.plane;
@@ -180,8 +174,8 @@ class EachAxis final : public Path {
     require_finite("amplitude", amplitude);
     require_positive("period", options.period, "s");
     if (!(duration <= 1e6 * half))
-      reject("period", text(options.period) + " s",
-             "must be at least " + text(2e-6 * duration) + " s, for at most a million jumps");
+      reject("period", number_text(options.period) + " s",
+             "must be at least " + number_text(2e-6 * duration) + " s, for at most a million jumps");
     for (int i = 0; i < 6; ++i)
       if (amplitude[i] != 0) rows.push_back(i);
   }
@@ -239,7 +233,8 @@ class Multisine final : public Path {
       require_positive(entry("frequencies", static_cast<int>(k)), frequencies[k], "Hz");
     std::sort(frequencies.begin(), frequencies.end());
     const auto twice = std::adjacent_find(frequencies.begin(), frequencies.end());
-    if (twice != frequencies.end()) reject("frequencies", text(*twice) + " Hz", "must not be there twice");
+    if (twice != frequencies.end())
+      reject("frequencies", number_text(*twice) + " Hz", "must not be there twice");
     const auto N = static_cast<double>(frequencies.size());
     for (double k = 1; k <= N; ++k) phase.push_back(-std::numbers::pi * std::fmod(k * (k - 1) / N, 2));
     for (const double f : frequencies) rate.push_back(2 * std::numbers::pi * f);

@@ -11,6 +11,7 @@
 #include "control/rotation.hpp"
 #include "input/limits.hpp"
 #include "input/named_columns.hpp"
+#include "input/number_text.hpp"
 #include "input/read_text.hpp"
 
 namespace osculate {
@@ -35,12 +36,6 @@ struct Place {
 [[noreturn]] void reject(const Place& place, const std::string& what) {
   const std::string line = place.line > 0 ? ":" + std::to_string(place.line) : "";
   throw ReferenceError(place.file + line + ": " + what + ".");
-}
-
-std::string text(double value) {
-  char buffer[32];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
-  return {buffer, end};
 }
 
 double number(const Place& place, std::string_view column, std::string_view field) {
@@ -76,15 +71,16 @@ Waypoint read_row(const Place& place, std::string_view line, bool oriented) {
   if (!oriented) return out;
   const double length = out.q.norm();
   if (std::abs(length - 1) > 1e-3)
-    reject(place, "quaternion qw,qx,qy,qz of length " + text(length) + ": must be 1 within 0.001");
+    reject(place, "quaternion qw,qx,qy,qz of length " + number_text(length) + ": must be 1 within 0.001");
   out.q /= length;
   return out;
 }
 
 void require_order(const Place& place, const std::vector<Waypoint>& before, const Waypoint& next) {
-  if (before.empty() && next.t < 0) reject(place, "t = " + text(next.t) + " s: the first time must be >= 0");
+  if (before.empty() && next.t < 0)
+    reject(place, "t = " + number_text(next.t) + " s: the first time must be >= 0");
   if (!before.empty() && next.t <= before.back().t)
-    reject(place, "t = " + text(next.t) + " s: must be > " + text(before.back().t) +
+    reject(place, "t = " + number_text(next.t) + " s: must be > " + number_text(before.back().t) +
                       " s, the time of the waypoint before");
 }
 
@@ -145,7 +141,7 @@ std::vector<Vector6> offsets(const Place& file, const std::vector<Waypoint>& way
   for (const auto& waypoint : waypoints) {
     if (!waypoint.q.isZero(0)) r = nearest_log(rotation_of(waypoint.q) * initial.R.transpose(), r);
     if (r.norm() > largest_angle)
-      reject({file.file, waypoint.line}, "orientation is " + text(r.norm()) +
+      reject({file.file, waypoint.line}, "orientation is " + number_text(r.norm()) +
                                              " rad from the initial one, followed continuously: must be <= "
                                              "pi; turn less far, or the other way");
     Vector6 y;

@@ -1,9 +1,9 @@
-#include <charconv>
 #include <cmath>
 #include <sstream>
 
 #include "experiment/config.hpp"
 #include "experiment/yaml_reader.hpp"
+#include "input/number_text.hpp"
 
 namespace osculate {
 namespace {
@@ -13,8 +13,7 @@ using yaml::quoted;
 /// The shortest decimal that reads back to the same bits. YAML 1.1 readers take 1e-10 for a text and -0 for
 /// an integer without sign, so both get a point.
 std::string number(double x) {
-  char buffer[32];
-  std::string out{buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
+  std::string out = number_text(x);
   const auto e = out.find('e');
   if (e != std::string::npos && out.find('.') == std::string::npos) out.insert(e, ".0");
   if (x == 0 && std::signbit(x)) out = "-0.0";

@@ -7,8 +7,6 @@ namespace osculate {
 
 namespace {
 
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-
 std::vector<VerdictRow> verdict_rows(const RunResult& result) {
   std::vector<VerdictRow> rows;
   for (std::size_t i = 0; i < claim_count; ++i) {

@@ -13,8 +13,6 @@ namespace osculate {
 
 namespace {
 
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
-
 const std::vector<std::string> spatial_labels{"wx", "wy", "wz", "vx", "vy", "vz"};
 const std::vector<std::string> xyz_labels{"x", "y", "z"};
 

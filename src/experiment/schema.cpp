@@ -6,6 +6,7 @@
 
 #include "experiment/config.hpp"
 #include "experiment/yaml_notes.hpp"
+#include "input/number_text.hpp"
 
 namespace osculate {
 namespace {
@@ -148,13 +149,13 @@ class Schema {
         Members out{{"type", yaml::quoted("number")}};
         const auto& range = form.range;
         if (std::isfinite(range.low))
-          out.emplace_back(range.low_open ? "exclusiveMinimum" : "minimum", yaml::shown(range.low));
+          out.emplace_back(range.low_open ? "exclusiveMinimum" : "minimum", number_text(range.low));
         if (std::isfinite(range.high) && !range.high_depends)
-          out.emplace_back(range.high_open ? "exclusiveMaximum" : "maximum", yaml::shown(range.high));
+          out.emplace_back(range.high_open ? "exclusiveMaximum" : "maximum", number_text(range.high));
         return out;
       }
       case Form::Kind::whole:
-        return {{"type", yaml::quoted("integer")}, {"minimum", yaml::shown(form.range.low)}};
+        return {{"type", yaml::quoted("integer")}, {"minimum", number_text(form.range.low)}};
       case Form::Kind::word:
         if (is_truth(form)) return {{"type", yaml::quoted("boolean")}};
         return {{"enum", array_of_texts(form.words)}};

@@ -1,7 +1,6 @@
 #include "experiment/yaml_notes.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 namespace osculate::yaml {
 namespace {
@@ -80,11 +79,6 @@ void note_open_map(const Setting& setting) {
   if (taking == nullptr) return;
   note(setting, {.kind = Form::Kind::map});
   taking->at(setting.path).open = true;
-}
-
-std::string shown(double x) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
 }
 
 }  // namespace osculate::yaml

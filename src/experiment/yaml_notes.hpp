@@ -6,6 +6,7 @@
 #include <map>
 
 #include "experiment/yaml_reader.hpp"
+#include "input/number_text.hpp"
 
 namespace osculate::yaml {
 
@@ -54,11 +55,10 @@ void note_keys(const Setting&, const Keys& keys);
 void note_types(const Setting&, const TypeKeys& types, const std::string& type, const std::string& otherwise);
 void note_required(const Setting&);
 void note_open_map(const Setting&);
-std::string shown(double x);
 template <class Numbers>
 std::string shown_list(const Numbers& numbers) {
   std::string out;
-  for (const double x : numbers) out += (out.empty() ? "" : ", ") + shown(x);
+  for (const double x : numbers) out += (out.empty() ? "" : ", ") + number_text(x);
   return "[" + out + "]";
 }
 

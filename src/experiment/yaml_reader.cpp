@@ -12,16 +12,12 @@
 namespace osculate::yaml {
 namespace {
 
-std::string show(double x) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr};
-}
-
 std::string describe(const Range& range) {
   std::string out;
-  if (std::isfinite(range.low)) out += (range.low_open ? "> " : ">= ") + show(range.low);
+  if (std::isfinite(range.low)) out += (range.low_open ? "> " : ">= ") + number_text(range.low);
   if (std::isfinite(range.high))
-    out += (out.empty() ? "" : " and ") + std::string(range.high_open ? "< " : "<= ") + show(range.high);
+    out +=
+        (out.empty() ? "" : " and ") + std::string(range.high_open ? "< " : "<= ") + number_text(range.high);
   return out;
 }
 
@@ -227,7 +223,7 @@ Range at_least_zero(std::string note) { return {.low = 0, .note = std::move(note
 Range above_zero(std::string note) { return {.low = 0, .low_open = true, .note = std::move(note)}; }
 
 void read(const Setting& setting, double& out, const Range& range) {
-  note(setting, {.kind = Form::Kind::number, .range = range}, shown(out));
+  note(setting, {.kind = Form::Kind::number, .range = range}, number_text(out));
   if (!setting.given()) return;
   const double x = number(setting);
   require(setting, x, range);
@@ -271,7 +267,7 @@ void read(const Setting& setting, Vector6& out, const Range& range) {
 }
 
 void read_one_or_six(const Setting& setting, Vector6& out, const Range& range) {
-  note(setting, {.kind = Form::Kind::number, .range = range}, shown(out[0]));
+  note(setting, {.kind = Form::Kind::number, .range = range}, number_text(out[0]));
   note_list(setting, 6, range);
   if (!setting.given()) return;
   if (is_scalar(setting)) {

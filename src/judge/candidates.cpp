@@ -96,7 +96,8 @@ Candidates::Candidates(const Chain<double>& model, const JudgeOptions& options, 
       redundant_(model.velocities() > static_cast<int>(options.rows.size())),
       error_law_(error_law) {
   const int n = model.velocities(), m = static_cast<int>(options.rows.size());
-  const auto term = [&](const char* id, const char* phrase, Kind kind = Kind::term, int count = 1) {
+  const auto term = [&](const char* id, const char* phrase, CandidateKind kind = CandidateKind::term,
+                        int count = 1) {
     add(list_, columns_, {id, phrase, kind}, count);
   };
   term("jdot_qd", "J* Lambda Jdot qd");
@@ -112,7 +113,7 @@ Candidates::Candidates(const Chain<double>& model, const JudgeOptions& options, 
     if (any(options.rows, 3)) term("damping_linear", "the rate of the position error");
     term("feedforward", "the acceleration of the reference");
   } else {
-    Candidate gains{"gains", "the gains", Kind::gains};
+    Candidate gains{"gains", "the gains", CandidateKind::gains};
     for (const int half : {0, 3})
       if (any(options.rows, half))
         for (const char* name : {"stiffness", "damping"}) {
@@ -123,9 +124,10 @@ Candidates::Candidates(const Chain<double>& model, const JudgeOptions& options, 
     term("feedforward", "the acceleration of the reference");
   }
   if (any(options.rows, 0) && any(options.rows, 3))
-    term("uncoupled_lambda", "takes Lambda of the angular and of the linear rows apart", Kind::mistake);
+    term("uncoupled_lambda", "takes Lambda of the angular and of the linear rows apart",
+         CandidateKind::mistake);
   Candidate constant{"constant_lambda", "takes a constant diagonal inertia in place of Lambda",
-                     Kind::mistake};
+                     CandidateKind::mistake};
   constant.names.push_back("share of Lambda");
   constant.units.push_back("1");
   for (const int row : options.rows) {
@@ -134,21 +136,24 @@ Candidates::Candidates(const Chain<double>& model, const JudgeOptions& options, 
   }
   add(list_, columns_, constant, 1 + m);
   if (turns_ && slides_ && order_known)
-    term("swapped_rows", "takes the angular and the linear rows of u in the wrong order", Kind::mistake);
+    term("swapped_rows", "takes the angular and the linear rows of u in the wrong order",
+         CandidateKind::mistake);
   if (turns_ || slides_) {
-    term("u_in_tip_frame", "takes u as if it were in the tip's axes", Kind::mistake);
-    term("u_turned_to_tip", "turns u into the tip's axes but takes J in those of the base", Kind::mistake);
+    term("u_in_tip_frame", "takes u as if it were in the tip's axes", CandidateKind::mistake);
+    term("u_turned_to_tip", "turns u into the tip's axes but takes J in those of the base",
+         CandidateKind::mistake);
   }
   if (slides_)
     term("spatial_acceleration",
          "mixes classical and spatial accelerations: omega x v is missing in Jdot qd, or in u",
-         Kind::mistake);
+         CandidateKind::mistake);
   if (from_reference && turns_) {
-    term("quaternion_reference", "reads the reference's quaternion in the wrong order", Kind::mistake);
-    term("quaternion_both", "reads both quaternions in the wrong order", Kind::mistake);
+    term("quaternion_reference", "reads the reference's quaternion in the wrong order",
+         CandidateKind::mistake);
+    term("quaternion_both", "reads both quaternions in the wrong order", CandidateKind::mistake);
   }
   const auto per_joint = [&](const char* id, const char* phrase, const char* turning, const char* sliding) {
-    Candidate c{id, phrase, Kind::parameter};
+    Candidate c{id, phrase, CandidateKind::parameter};
     for (std::size_t i = 0; i < model.links.size(); ++i)
       for (int j = 0; j < velocity_count(model.links[i].type); ++j) {
         c.names.push_back("joint " + std::to_string(i + 1));
@@ -158,19 +163,20 @@ Candidates::Candidates(const Chain<double>& model, const JudgeOptions& options, 
     add(list_, columns_, c, n);
   };
   if (model.one_axis_joints()) per_joint("armature", "armature", "kg m^2", "kg");
-  Candidate payload{"payload", "a payload", Kind::parameter};
+  Candidate payload{"payload", "a payload", CandidateKind::parameter};
   payload.names.assign(payload_names.begin(), payload_names.end());
   payload.units = {"kg", "kg m", "kg m", "kg m"};
   add(list_, columns_, payload, 4);
   add(list_, columns_,
-      {"tip_point", "another tip point", Kind::parameter, 0, 3, {"x", "y", "z"}, {"m", "m", "m"}}, 3);
+      {"tip_point", "another tip point", CandidateKind::parameter, 0, 3, {"x", "y", "z"}, {"m", "m", "m"}},
+      3);
   per_joint("viscous", "viscous friction", "N m s/rad", "N s/m");
   per_joint("coulomb", "Coulomb friction", "N m", "N");
   per_joint("torque_scale", "scale", "1", "1");
   add(list_, columns_,
       {"gravity_vector",
        "another gravity",
-       Kind::parameter,
+       CandidateKind::parameter,
        0,
        3,
        {"x", "y", "z"},
@@ -178,7 +184,7 @@ Candidates::Candidates(const Chain<double>& model, const JudgeOptions& options, 
       3);
   if (redundant_) {
     const auto null_term = [&](const char* id, const char* phrase, int count = 1) {
-      add(null_list_, null_columns_, {id, phrase, Kind::term}, count);
+      add(null_list_, null_columns_, {id, phrase, CandidateKind::term}, count);
     };
     null_term("coriolis", "C");
     null_term("gravity", "G");
@@ -187,10 +193,11 @@ Candidates::Candidates(const Chain<double>& model, const JudgeOptions& options, 
     null_term("damping", "joint damping");
     const int positions = model.one_axis_joints() ? n : 0;
     if (positions > 0) null_term("posture", "a posture", n + 1);
-    term("kinematic_damping", "projects joint damping by 1 - J* (J*)^+, which the tip feels", Kind::mistake);
+    term("kinematic_damping", "projects joint damping by 1 - J* (J*)^+, which the tip feels",
+         CandidateKind::mistake);
     if (positions > 0)
-      term("kinematic_posture", "projects a posture by 1 - J* (J*)^+, which the tip feels", Kind::mistake,
-           n + 1);
+      term("kinematic_posture", "projects a posture by 1 - J* (J*)^+, which the tip feels",
+           CandidateKind::mistake, n + 1);
   }
 }
 

@@ -29,7 +29,7 @@ struct Sample {
   Eigen::Vector4d quaternion = Eigen::Vector4d::Zero();  // of the reference, w x y z
 };
 
-enum class Kind {
+enum class CandidateKind {
   term,       // a term of the exact law: -1 omitted, +1 counted twice
   mistake,    // 1: made
   parameter,  // values with units
@@ -38,7 +38,7 @@ enum class Kind {
 
 struct Candidate {
   std::string id, phrase;
-  Kind kind = Kind::term;
+  CandidateKind kind = CandidateKind::term;
   int first = 0, columns = 1;
   std::vector<std::string> names = {}, units = {};  // for each column of a parameter
 };

@@ -17,7 +17,7 @@ constexpr double decides = 0.2;  // part of the difference that the other explan
 constexpr int states = 40;
 
 /// What a motion shakes: joint positions, velocities, commanded accelerations.
-struct Motion {
+struct Shaking {
   std::string words;
   double places, speeds;    // rad or m, rad/s or m/s
   double turning, sliding;  // rad/s^2, m/s^2
@@ -29,9 +29,9 @@ struct Motion {
 std::string deciding_motion(const Examination& examination, const Fit& best, const Fit& other) {
   const Sample middle = examination.sample(examination.chosen()[examination.chosen().size() / 2]);
   const Index n = middle.qd.size();
-  std::vector<Motion> motions{{"hold still, one after the other, in several poses", 0.5, 0, 0, 0, -1},
-                              {"from rest, accelerate the tip along each axis", 0, 0, 0, 2, -1},
-                              {"from rest, accelerate the tip about and along each axis", 0, 0, 4, 2, -1}};
+  std::vector<Shaking> motions{{"hold still, one after the other, in several poses", 0.5, 0, 0, 0, -1},
+                               {"from rest, accelerate the tip along each axis", 0, 0, 0, 2, -1},
+                               {"from rest, accelerate the tip about and along each axis", 0, 0, 4, 2, -1}};
   for (Index i = 0; i < n; ++i)
     motions.push_back(
         {"move joint " + std::to_string(i + 1) + " alone, to and fro", 0.1, 1, 0, 0, static_cast<int>(i)});
@@ -42,7 +42,7 @@ std::string deciding_motion(const Examination& examination, const Fit& best, con
 
   const Candidates& candidates = examination.candidates();
   const VectorX<double> weight = examination.difference().sigma.cwiseInverse();
-  for (const Motion& motion : motions) {
+  for (const Shaking& motion : motions) {
     std::mt19937_64 random(1);
     const auto shaken = [&random](double size) {
       return size * (2 * static_cast<double>(random() >> 11) * 0x1p-53 - 1);

@@ -193,7 +193,7 @@ bool Examination::drop_one(std::vector<int>& banned) {
   for (const int g : best().groups) {
     const bool is_moved = std::find(moved.begin(), moved.end(), g) != moved.end();
     const bool is_gains =
-        g != delay_group() && candidates_.list()[static_cast<std::size_t>(g)].kind == Kind::gains;
+        g != delay_group() && candidates_.list()[static_cast<std::size_t>(g)].kind == CandidateKind::gains;
     const bool idle = !is_gains && explained_by(g) < least_part;
     if (!idle && !is_moved) continue;
     std::vector<int> more = banned;
@@ -226,7 +226,7 @@ Examination::Attempt Examination::solve(const Deviation& start, const std::vecto
     set_price(all, out);
     std::vector<int> always = out.deviation.moved;
     for (std::size_t g = 0; g < candidates_.list().size(); ++g)
-      if (candidates_.list()[g].kind == Kind::gains) always.push_back(static_cast<int>(g));
+      if (candidates_.list()[g].kind == CandidateKind::gains) always.push_back(static_cast<int>(g));
     out.fits =
         all.search(always, out.price, std::max(doubt_margin * out.noise_square, 1e-2 * least_part * weighed_),
                    [&](const Fit& fit) { return sensible(fit, out.deviation, banned); });
@@ -325,7 +325,8 @@ bool Examination::sensible(const Fit& fit, const Deviation& deviation, const std
     if (c.id == "constant_lambda" && std::abs(first - 1) > 0.1) return false;
     // Noise in the columns bends coefficients by its share of them, which is no mistake.
     const double least = c.id == "gravity" ? least_share / 20 : least_share;  // others' g differs by 3e-4
-    if ((c.kind == Kind::term || c.kind == Kind::mistake) && c.columns == 1 && std::abs(first) < least)
+    if ((c.kind == CandidateKind::term || c.kind == CandidateKind::mistake) && c.columns == 1 &&
+        std::abs(first) < least)
       return false;
   }
   const double seconds = log_.t.back() - log_.t.front();

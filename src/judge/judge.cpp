@@ -18,7 +18,7 @@ using Eigen::Index;
 
 constexpr double significant = 5;  // standard deviations
 constexpr double decisive = 2;     // squares: one reading of a log must leave so much less than another
-constexpr double hopeless =
+constexpr double hopeless_at_sight =
     10;  // squares: a reading that leaves so much more at first sight is not looked at
 constexpr double unexplained_part = 2e-3;
 constexpr double white = 0.3;  // correlation of neighbouring samples below which a rest is noise
@@ -76,7 +76,8 @@ class Words {
 
   Candidate candidate(int g) const {
     if (g != examination_.delay_group()) return examination_.candidates().list()[static_cast<std::size_t>(g)];
-    return {"delay", "a delay", Kind::parameter, examination_.candidates().columns(), 1, {"delay"}, {"s"}};
+    return {"delay",   "a delay", CandidateKind::parameter, examination_.candidates().columns(), 1,
+            {"delay"}, {"s"}};
   }
 
   Finding finding(int g) const {
@@ -88,7 +89,7 @@ class Words {
     out.explained = examination_.explained_by(g);
     out.sentence = sentence(c, out.coefficients);
     out.sentence +=
-        c.kind == Kind::term || (c.kind == Kind::mistake && c.columns == 1)
+        c.kind == CandidateKind::term || (c.kind == CandidateKind::mistake && c.columns == 1)
             ? " (coefficient " + measured(out.coefficients[0].value, out.coefficients[0].deviation) + "; "
             : " (";
     out.sentence += "explains " + percent(out.explained) + ")";
@@ -107,8 +108,8 @@ class Words {
   }
 
   std::string sentence(const Candidate& c, const std::vector<Coefficient>& values) const {
-    if (c.kind == Kind::term) return about_term(c.phrase, values[0]);
-    if (c.kind == Kind::mistake) {
+    if (c.kind == CandidateKind::term) return about_term(c.phrase, values[0]);
+    if (c.kind == CandidateKind::mistake) {
       if (c.columns == 1)
         return c.phrase + (near(values[0].value, 1, values[0].deviation) ? "" : ", in part");
       if (c.id == "constant_lambda") {
@@ -220,7 +221,8 @@ Examination best_reading(const Chain<double>& model, const Log& log, const Judge
     return out;
   };
   if (all.size() > 1)
-    std::erase_if(all, [limit = hopeless * least()](const Examination& e) { return e.left_over() > limit; });
+    std::erase_if(
+        all, [limit = hopeless_at_sight * least()](const Examination& e) { return e.left_over() > limit; });
   for (Examination& e : all) e.explain();
   std::erase_if(all, [limit = decisive * least()](const Examination& e) { return e.left_over() > limit; });
   const auto simplest = std::min_element(
@@ -300,7 +302,7 @@ void add_unseen(const Examination& examination, const Explanations& all, const W
   const Fit& best = examination.best();
   for (int g = 0; g < examination.delay_group(); ++g) {
     const Candidate c = words.candidate(g);
-    if (c.kind != Kind::term || contains(best.groups, {g})) continue;
+    if (c.kind != CandidateKind::term || contains(best.groups, {g})) continue;
     std::vector<int> with = best.groups;
     with.insert(std::upper_bound(with.begin(), with.end(), g), g);
     const double deviation = all.fit(with).deviation[c.first] * std::sqrt(examination.noise_square());
@@ -330,7 +332,7 @@ Judgement judge(const Chain<double>& model, const Log& log, const JudgeOptions& 
   out.rest = examination.rest();
   for (const int g : best.groups) {
     const Candidate c = words.candidate(g);
-    if (c.kind == Kind::gains) {
+    if (c.kind == CandidateKind::gains) {
       out.gains = words.coefficients(c, best);
       for (const Coefficient& gain : out.gains)
         if (gain.value < -significant * gain.deviation)

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "scalar/eps.hpp"
+
 namespace osculate::jury {
 
 namespace {
@@ -13,7 +15,6 @@ namespace {
 using Matrix = MatrixX<double>;
 using Vector = VectorX<double>;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Whether velocity coordinate i of a joint turns its link.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "input/number_text.hpp"
 #include "model/tree.hpp"
 
 namespace osculate::internal {
@@ -97,8 +98,9 @@ Vector3<double> in_plane(const Vector3<double>& normal) {
 Vector3<double> unit_axis(const Tree& tree, const TreeJoint& joint, std::vector<std::string>& warnings) {
   const double largest = joint.axis.cwiseAbs().maxCoeff();
   if (!(largest > 0) || !std::isfinite(largest))
-    throw ModelError(tree.source + ": joint " + in_quotes(joint.name) + ": axis (" + number(joint.axis[0]) +
-                     " " + number(joint.axis[1]) + " " + number(joint.axis[2]) +
+    throw ModelError(tree.source + ": joint " + in_quotes(joint.name) + ": axis (" +
+                     number_text(joint.axis[0]) + " " + number_text(joint.axis[1]) + " " +
+                     number_text(joint.axis[2]) +
                      ") has no direction. Give <axis xyz=\"...\"/> a non-zero vector.");
   const Vector3<double> scaled = joint.axis / largest;
   const double length = largest * scaled.norm();
@@ -125,7 +127,7 @@ JointInfo info(const Tree& tree, const TreeJoint& joint, std::vector<std::string
     out.upper = joint.upper;
   } else {
     warnings.push_back(tree.source + ": joint " + in_quotes(joint.name) + ": limits lower " +
-                       number(*joint.lower) + ", upper " + number(*joint.upper) +
+                       number_text(*joint.lower) + ", upper " + number_text(*joint.upper) +
                        " leave no room to move; they are ignored.");
   }
   return out;

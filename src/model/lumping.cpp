@@ -4,12 +4,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <limits>
+
+#include "input/number_text.hpp"
+#include "scalar/eps.hpp"
 
 namespace osculate::internal {
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 // Backward error of the symmetric eigenvalue routine is a small multiple of eps |I|; 64 covers the rotation
 // into the link frame as well.
@@ -57,9 +57,9 @@ RigidBody lump(const std::vector<RigidBody>& bodies) {
 
 std::optional<std::string> body_fault(const RigidBody& body) {
   if (!std::isfinite(body.mass) || !body.com.allFinite() || !body.inertia.allFinite())
-    return "mass " + number(body.mass) +
+    return "mass " + number_text(body.mass) +
            " kg, centre of mass or inertia is not a finite number. Check the units.";
-  if (body.mass < 0) return "mass " + number(body.mass) + " kg is negative. Give a mass >= 0.";
+  if (body.mass < 0) return "mass " + number_text(body.mass) + " kg is negative. Give a mass >= 0.";
   const Vector3<double> I = principal(body.inertia);
   if (!I.allFinite()) return "principal inertias " + list(I) + " kg m^2 are not finite. Check the units.";
   if (I[0] < -slack * I.cwiseAbs().maxCoeff())
@@ -75,12 +75,6 @@ std::optional<std::string> triangle_fault(const RigidBody& body) {
   return "principal inertias " + list(I) + " kg m^2 break the triangle inequality (" + short_number(I[2]) +
          " > " + short_number(I[0] + I[1]) +
          "). No rigid body has these; check for a unit or about-point mistake.";
-}
-
-std::string number(double x) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;
-  return {text.data(), end};
 }
 
 std::string short_number(double x) {

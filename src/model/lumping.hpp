@@ -41,9 +41,7 @@ std::optional<std::string> body_fault(const RigidBody& body);
 /// data does it.
 std::optional<std::string> triangle_fault(const RigidBody& body);
 
-/// A number as text, the shortest that reads back the same; never the locale's.
-std::string number(double x);
-/// The same, rounded to six significant digits.
+/// As number_text, rounded to six significant digits.
 std::string short_number(double x);
 
 }  // namespace osculate::internal

@@ -3,6 +3,8 @@
 #include <charconv>
 #include <limits>
 
+#include "input/number_text.hpp"
+
 namespace osculate {
 
 namespace {
@@ -148,10 +150,7 @@ class Reader {
 
 JsonValue parse_json(std::string_view text) { return Reader(text).whole(); }
 
-void add_json(std::string& out, double x) {
-  char buffer[32];
-  out.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr);
-}
+void add_json(std::string& out, double x) { out += number_text(x); }
 
 void add_json(std::string& out, std::span<const double> numbers) {
   out += '[';

@@ -12,7 +12,6 @@
 
 namespace osculate::hdf5 {
 
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 constexpr unsigned tracked = H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED;
 
 inline hid_t stored_type(Kind kind) {

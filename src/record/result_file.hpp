@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -29,6 +30,9 @@ struct Axis {
   bool fixed() const { return size() > 0; }
   std::size_t size() const { return labels.size() + coordinates.size(); }  // one of them is empty
 };
+
+/// Stands for a value that is not there.
+inline constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 enum class Kind { real /* float64 */, integer /* int64 */, small /* int8 */ };
 

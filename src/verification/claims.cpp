@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "model/pose.hpp"
+#include "scalar/eps.hpp"
 #include "verification/bounds.hpp"
 
 namespace osculate {
@@ -12,8 +13,6 @@ namespace {
 
 using Vector = VectorX<double>;
 using Matrix = MatrixX<double>;
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 

@@ -12,13 +12,13 @@ namespace {
 using N = dense::Nested<double>;
 
 /// Coordinates and their derivatives, in the order of the chart.
-struct Motion {
+struct MovingCoordinates {
   Coordinates y, yd, ydd;
 };
 
 /// Coordinates of one part, from `first` on.
 template <int size>
-void put(const Eigen::Matrix<N, size, 1>& y, int first, Motion& out) {
+void put(const Eigen::Matrix<N, size, 1>& y, int first, MovingCoordinates& out) {
   const auto moved = dense::time_derivatives(y);
   out.y.segment(first, size) = moved.y;
   out.yd.segment(first, size) = moved.yd;
@@ -35,11 +35,11 @@ int largest_component(const Matrix3<double>& R) {
 
 /// The coordinates of a moving pose by their definitions. A quaternion has the sign in which its largest
 /// component is positive.
-Motion coordinates(const CoordinateChart& chart, const Pose& pose, const Vector6& beta,
-                   const Vector6& betad) {
+MovingCoordinates coordinates(const CoordinateChart& chart, const Pose& pose, const Vector6& beta,
+                              const Vector6& betad) {
   const auto moving = dense::moving_pose<double>(pose.R, pose.p, beta, betad);
   const int turning = chart.orientation_size();
-  Motion out;
+  MovingCoordinates out;
   for (Coordinates* list : {&out.y, &out.yd, &out.ydd}) list->resize(chart.size());
   if (chart.orientation()) switch (*chart.orientation()) {
       case OrientationCoordinates::roll_pitch_yaw:
@@ -80,11 +80,12 @@ void shorten(const CoordinateChart& chart, Coordinates& e) {
 ChartEvidence judge_chart(const ChartLaw& law, const Coordinates& v, const dense::Kinematics<double>& tip,
                           const dense::Vector6<double>& betad) {
   const CoordinateChart& chart = law.chart;
-  Motion at = coordinates(chart, {tip.R, tip.p}, tip.tip_velocity, betad);
-  Motion due = coordinates(chart, law.reference.pose, law.reference.velocity, law.reference.acceleration);
+  MovingCoordinates at = coordinates(chart, {tip.R, tip.p}, tip.tip_velocity, betad);
+  MovingCoordinates due =
+      coordinates(chart, law.reference.pose, law.reference.velocity, law.reference.acceleration);
   ChartEvidence out;
   out.turning = chart.orientation_size();
-  const auto flip = [](Motion& m) {
+  const auto flip = [](MovingCoordinates& m) {
     for (Coordinates* list : {&m.y, &m.yd, &m.ydd}) list->head(4) *= -1;
   };
   if (out.turning == 4) {

@@ -7,11 +7,12 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "scalar/eps.hpp"
+
 namespace osculate {
 
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double root2 = std::numbers::sqrt2;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 

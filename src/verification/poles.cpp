@@ -27,6 +27,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scalar/eps.hpp"
 #include "verification/step_check.hpp"
 
 namespace osculate {
@@ -36,7 +37,6 @@ namespace {
 using Complex = std::complex<double>;
 using Matrix = MatrixX<double>;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double difference_factor = 4;
 constexpr double shared_factor = 2;
 const double at_rest = std::sqrt(eps);  // of the sizes of error, velocity and acceleration

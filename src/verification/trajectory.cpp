@@ -5,13 +5,12 @@
 #include <limits>
 
 #include "control/rotation.hpp"
+#include "scalar/eps.hpp"
 #include "verification/step_check.hpp"
 
 namespace osculate {
 
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 constexpr int nothing_moved = -1000;  // below every power of ten of a double
 

@@ -12,9 +12,10 @@
 #include <string>
 
 #include "reference/coordinates.hpp"
+#include "scalar/eps.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::coordinates_tests {
 
 namespace {
 
@@ -24,7 +25,6 @@ using WideMotion = dense::TimeDerivatives<VectorX<Wide>>;
 using O = OrientationCoordinates;
 using P = PositionCoordinates;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double pi = std::numbers::pi;
 constexpr int samples = 300;
 
@@ -448,3 +448,5 @@ TEST_CASE("charts that cannot be are refused, and coordinates have names and uni
   CHECK(listed({O::quaternion, P::spherical}) == "qw/1 qx/1 qy/1 qz/1 r/m theta/rad phi/rad ");
   CHECK(listed({{}, P::spherical}) == "r/m theta/rad phi/rad ");
 }
+
+}  // namespace osculate::testing::coordinates_tests

@@ -5,15 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "scalar/eps.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::linear_response_tests {
 
 namespace {
 
 using Wide = long double;
 using WideMatrix2 = Eigen::Matrix<Wide, 2, 2>;
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 /// exp(A t) by scaling, 30 terms of the series, and squaring, in long double.
 WideMatrix2 transition(Wide k, Wide d, Wide t) {
@@ -123,3 +123,5 @@ TEST_CASE("the start is returned at t = 0, to the bit") {
       CHECK(got.ed == -0.3);
     }
 }
+
+}  // namespace osculate::testing::linear_response_tests

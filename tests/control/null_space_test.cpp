@@ -9,11 +9,10 @@
 #include "reference/dense.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::null_space_tests {
 using osculate::test::first_difference;
 using osculate::test::quick_arm;
 using osculate::test::QuickArm;
-using osculate::testing::eps;
 
 namespace {
 
@@ -195,3 +194,5 @@ TEST_CASE("the manipulability gradient is that of log w, by differences") {
   CHECK(seen >= 15);
   CHECK(largest > 0.5);
 }
+
+}  // namespace osculate::testing::null_space_tests

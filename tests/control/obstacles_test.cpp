@@ -1,17 +1,16 @@
 #include "control/obstacles.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "control/differences.hpp"
+#include "scalar/eps.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::obstacles_tests {
 using namespace osculate::test;
 
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 using V3 = Vector3<double>;
 
 const std::vector<Obstacle> two{{.centre = {0.4, 0.1, -0.2}, .radius = 0.15, .influence = 0.3, .gain = 0.02},
@@ -110,3 +109,5 @@ TEST_CASE("no field at or inside an obstacle") {
   CHECK_THROWS_AS(repulsion({ball}, {std::nan(""), 0, 0}), std::domain_error);
   CHECK_NOTHROW(repulsion({ball}, {0.5 + eps, 0, 0}));
 }
+
+}  // namespace osculate::testing::obstacles_tests

@@ -7,7 +7,7 @@
 #include "control/wide_rotation.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::pose_error_tests {
 using namespace osculate::test;
 
 namespace {
@@ -167,3 +167,5 @@ TEST_CASE("pose error does not depend on which way the base axes point") {
     CHECK((u_turned - turned(u)).norm() <= 128 * eps * size);
   }
 }
+
+}  // namespace osculate::testing::pose_error_tests

@@ -9,7 +9,7 @@
 #include "control/wide_rotation.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::reference_tests {
 using namespace osculate::test;
 
 namespace {
@@ -305,3 +305,5 @@ TEST_CASE("options that cannot be used are named with value and remedy") {
   CHECK_THROWS_WITH(make_path(EachAxisOptions{Vector6::Ones(), 1e-6}, 1),
                     "reference.period = 1e-06 s: must be at least 2e-06 s, for at most a million jumps.");
 }
+
+}  // namespace osculate::testing::reference_tests

@@ -8,7 +8,7 @@
 #include "control/wide_rotation.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::rotation_tests {
 using namespace osculate::test;
 
 namespace {
@@ -199,3 +199,5 @@ TEST_CASE("cross_matrix is the vector product") {
   CHECK(cross_matrix(a) * b == Eigen::Vector3d(-1, -13, 9));
   CHECK(cross_matrix(a) == -cross_matrix(a).transpose());
 }
+
+}  // namespace osculate::testing::rotation_tests

@@ -10,8 +10,7 @@
 #include "spatial/plain.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
-using namespace osculate::testing;
+namespace osculate::testing::singular_task_tests {
 using osculate::test::Draw;
 using osculate::test::quick_arm;
 using osculate::test::QuickArm;
@@ -303,3 +302,5 @@ TEST_CASE("the mass is infinite where the arm cannot move") {
       for (int i = 0; i < 3; ++i) CHECK(std::isinf(e.principal[i]) == (i >= n));
     }
 }
+
+}  // namespace osculate::testing::singular_task_tests

@@ -15,8 +15,7 @@
 #include "spatial/plain.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
-using namespace osculate::testing;
+namespace osculate::testing::textbook_laws_tests {
 using osculate::test::Draw;
 using osculate::test::quick_arm;
 using osculate::test::QuickArm;
@@ -296,3 +295,5 @@ TEST_CASE("every law has a name of its own") {
   }
   CHECK(expected == static_cast<int>(TextbookLaw::jacobian_transpose) + 1);
 }
+
+}  // namespace osculate::testing::textbook_laws_tests

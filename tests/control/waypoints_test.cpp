@@ -3,17 +3,16 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 
 #include "control/reference.hpp"
 #include "control/rotation.hpp"
+#include "scalar/eps.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::waypoints_tests {
 
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr double pi = 3.141592653589793;
 
 /// A file with the given text, removed at the end of the scope.
@@ -191,3 +190,5 @@ TEST_CASE("a waypoint file that is not there is named") {
   CHECK_THROWS_WITH(make_path(WaypointsOptions{"no/such/file.csv"}, Pose{}),
                     "no/such/file.csv: no such file; check the path of reference.file.");
 }
+
+}  // namespace osculate::testing::waypoints_tests

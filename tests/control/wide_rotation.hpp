@@ -4,8 +4,9 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <limits>
 #include <random>
+
+#include "scalar/eps.hpp"
 
 namespace osculate::test {
 
@@ -14,7 +15,6 @@ using WideVector = Eigen::Matrix<Wide, 3, 1>;
 using WideMatrix = Eigen::Matrix<Wide, 3, 3>;
 using WideQuaternion = Eigen::Matrix<Wide, 4, 1>;  // w, x, y, z
 
-inline constexpr double eps = std::numeric_limits<double>::epsilon();
 inline const Wide wide_pi = std::acos(Wide(-1));
 
 /// A matrix and its derivative along the rate rd.

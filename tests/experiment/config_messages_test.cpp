@@ -2,7 +2,7 @@
 #include "experiment/config_support.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::config_messages_tests {
 
 TEST_CASE("the texts of messages") {
   CHECK(message_of(Lines{.controller = "controller:\n  law: operational_space\n  gains:\n"
@@ -281,3 +281,5 @@ TEST_CASE("aliases cannot make an endless tree") {
   }
   CHECK(message_of(text).find("too many values") != std::string::npos);
 }
+
+}  // namespace osculate::testing::config_messages_tests

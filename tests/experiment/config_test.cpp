@@ -7,7 +7,7 @@
 #include "experiment/config_support.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::config_tests {
 
 namespace {
 
@@ -396,3 +396,5 @@ TEST_CASE("the experiments of the project can be read") {
   }
   CHECK(files >= 1);
 }
+
+}  // namespace osculate::testing::config_tests

@@ -2,7 +2,7 @@
 #include "experiment/config_support.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::config_values_tests {
 
 namespace {
 
@@ -265,3 +265,5 @@ TEST_CASE("posture, limits, manipulability and sensors are for joints with one a
   CHECK(check("effort_limit: [1, 1, 1, 1, 1, 1, 1]") == "(accepted)");
   CHECK(check("effort_limit: model").find("for each axis of j1; give a list") != std::string::npos);
 }
+
+}  // namespace osculate::testing::config_values_tests

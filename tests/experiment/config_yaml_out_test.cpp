@@ -8,7 +8,7 @@
 #include "experiment/config_support.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::config_yaml_out_tests {
 
 namespace {
 
@@ -236,3 +236,5 @@ TEST_CASE("the defaults are written out") {
   CHECK(words_of(parse(text)) == words_of(e));
   CHECK(bits_of(parse(text)) == bits_of(e));
 }
+
+}  // namespace osculate::testing::config_yaml_out_tests

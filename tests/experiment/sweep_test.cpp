@@ -4,15 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "scalar/eps.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::sweep_tests {
 using Catch::Matchers::Contains;
 
 namespace {
 
 constexpr double none = SweepRun::none;
-constexpr double eps = std::numeric_limits<double>::epsilon();
 // Below: logarithms of at most 6, three decades apart at least; a slope from their differences is within 100
 // eps.
 constexpr double tol = 100 * eps;
@@ -174,3 +174,5 @@ TEST_CASE("status and verdict of a sweep") {
   result.exit = Exit::terminated;
   CHECK(sweep_status(result) == "interrupted");
 }
+
+}  // namespace osculate::testing::sweep_tests

@@ -9,7 +9,7 @@
 
 #include "urdf_text.hpp"
 
-using namespace osculate;
+namespace osculate::testing::faults_tests {
 using namespace urdf_text;
 
 // urdfdom itself loses the links of a file without a root: shared pointers in a ring. Not ours to free.
@@ -329,3 +329,5 @@ TEST_CASE("the listing of a file shows its tree and its problems") {
   CHECK(lines[6] == "problem: link 'one': mass -1 kg is negative. Give a mass >= 0.");
   CHECK_THROWS_AS(list_urdf(data("two_parents.urdf")), ModelError);
 }
+
+}  // namespace osculate::testing::faults_tests

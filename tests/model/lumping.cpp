@@ -2,19 +2,18 @@
 #include "model/lumping.hpp"
 
 #include <cstdio>
-#include <limits>
 #include <random>
 
 #include "chain_kinematics.hpp"
+#include "input/number_text.hpp"
+#include "scalar/eps.hpp"
 #include "urdf_text.hpp"
 
-using namespace osculate;
+namespace osculate::testing::lumping_tests {
 using namespace textbook;
 using namespace urdf_text;
 
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 /// A link of a random tree and the joint that carries it, as its numbers stand in the file.
 struct RawLink {
@@ -282,7 +281,9 @@ TEST_CASE("two bodies as in a textbook") {
 }
 
 TEST_CASE("numbers as text do not lose digits and rounded ones keep six") {
-  CHECK(internal::number(0.1) == "0.1");
-  CHECK(internal::number(1.0 / 3) == "0.3333333333333333");
+  CHECK(number_text(0.1) == "0.1");
+  CHECK(number_text(1.0 / 3) == "0.3333333333333333");
   CHECK(internal::short_number(1.0 / 3) == "0.333333");
 }
+
+}  // namespace osculate::testing::lumping_tests

@@ -1,19 +1,17 @@
 // The arms that come with the program, against the tables they were written from.
 #include <algorithm>
 #include <filesystem>
-#include <limits>
 #include <numbers>
 
 #include "chain_kinematics.hpp"
+#include "scalar/eps.hpp"
 #include "urdf_text.hpp"
 
-using namespace osculate;
+namespace osculate::testing::models_tests {
 using namespace textbook;
 using std::numbers::pi;
 
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 ArmDescription model(const std::string& name, const std::string& tip = "tool0",
                      const Vector3d& gravity = {0, 0, -9.81}) {
@@ -247,3 +245,5 @@ TEST_CASE("the first direction of a planar joint lies in its plane, whatever the
     CHECK(std::abs(link.axis2.norm() - 1) <= 4 * eps);
   }
 }
+
+}  // namespace osculate::testing::models_tests

@@ -4,7 +4,7 @@
 
 #include "urdf_text.hpp"
 
-using namespace osculate;
+namespace osculate::testing::real_robots_tests {
 
 TEST_CASE("real robot descriptions load with the known number of joints and mass") {
   const std::filesystem::path folder = std::string(OSCULATE_SOURCE_DIR) + "/../shared/robots";
@@ -54,3 +54,5 @@ TEST_CASE("real robot descriptions load with the known number of joints and mass
     CHECK(list_urdf(folder / row.file).size() > 2u * static_cast<unsigned>(row.n));
   }
 }
+
+}  // namespace osculate::testing::real_robots_tests

@@ -11,19 +11,18 @@
 #include <fstream>
 #include <iomanip>
 #include <iostream>
-#include <limits>
 #include <thread>
 
 #include "model/random_arm.hpp"
 #include "model/urdf.hpp"
 #include "paper/bounds.hpp"
 #include "paper/tables.hpp"
+#include "scalar/eps.hpp"
 
 using namespace osculate;
 
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 /// constant = margin * worst: room for states that the sample missed, below the allowed 5
 constexpr double margin = 4;
 /// A statement that holds to the last bit in every state of the sample may miss it by this elsewhere, in eps.

@@ -10,7 +10,7 @@
 #include "record/restart_point.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::difference_tests {
 using Catch::Matchers::Contains;
 using std::filesystem::path;
 
@@ -159,3 +159,5 @@ TEST_CASE("a file as a killed run leaves it is compared as far as it goes") {
   CHECK(found.first->time == 256.0);
   CHECK(found.first->a == "missing");
 }
+
+}  // namespace osculate::testing::difference_tests

@@ -10,7 +10,7 @@
 #include "record/result_file.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::result_file_tests {
 using Catch::Matchers::Contains;
 using std::filesystem::path;
 
@@ -316,3 +316,5 @@ TEST_CASE("recover refuses what is not an unfinished result file") {
 TEST_CASE("the version of HDF5 is told") {
   CHECK_THAT(hdf5_version(), Catch::Matchers::Matches("[0-9]+\\.[0-9]+\\.[0-9]+"));
 }
+
+}  // namespace osculate::testing::result_file_tests

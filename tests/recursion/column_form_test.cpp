@@ -5,8 +5,7 @@
 #include "recursion/worst.hpp"
 #include "spatial/plain.hpp"
 
-using namespace osculate;
-using namespace osculate::testing;
+namespace osculate::testing::column_form_tests {
 using Q = Rational;
 
 namespace {
@@ -67,3 +66,5 @@ TEST_CASE("columns from the tip agree with sweep 3 to rounding") {
   check_within("Omega", Omega, 13);               // seen 2.7
   check_within("right side of c + g", both, 25);  // seen 5.3
 }
+
+}  // namespace osculate::testing::column_form_tests

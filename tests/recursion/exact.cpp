@@ -8,7 +8,7 @@
 #include "spatial/plain.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::exact_tests {
 using osculate::exact_arm;
 using osculate::ExactArm;
 using osculate::Random;
@@ -260,3 +260,5 @@ TEST_CASE("a bead on a turning rod: the sliding joint feels 2 w x h qd") {
   CHECK(plant.tip_acceleration().lin.x == qdd[1] - r * th_rate * th_rate);
   CHECK(plant.tip_acceleration().lin.y == r * qdd[0] + Q(2) * th_rate * r_rate);
 }
+
+}  // namespace osculate::testing::exact_tests

@@ -3,8 +3,7 @@
 // the worst seen.
 #include "recursion/law_arms.hpp"
 
-using namespace osculate;
-using namespace osculate::testing;
+namespace osculate::testing::laws_tests {
 
 namespace {
 
@@ -182,3 +181,5 @@ TEST_CASE("a link in a chain is never more mobile than when free") {
   });
   check_within("Omega above the bound", excess, 19);  // seen 4.0
 }
+
+}  // namespace osculate::testing::laws_tests

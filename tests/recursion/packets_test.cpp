@@ -8,14 +8,14 @@
 #include "recursion/ensemble.hpp"
 #include "reference/dense.hpp"
 #include "scalar/dual.hpp"
+#include "scalar/eps.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::packets_tests {
 
 namespace {
 
 using Array = MatrixX<double>;
-constexpr double eps = 0x1p-52;
 
 /// States of one arm, one in each row.
 struct States {
@@ -227,3 +227,5 @@ TEST_CASE("differences of the plant agree with dual numbers") {
           rounding + 10 * double(n) * condition(M) * eps * exact[2].cwiseAbs().maxCoeff());
   }
 }
+
+}  // namespace osculate::testing::packets_tests

@@ -3,8 +3,7 @@
 // times the worst seen.
 #include "recursion/law_arms.hpp"
 
-using namespace osculate;
-using namespace osculate::testing;
+namespace osculate::testing::rounding_tests {
 
 TEST_CASE("the recursions agree with the dense reference to rounding, whatever the condition of Omega") {
   Worst Omega, c, g, both, qdd, tip;
@@ -108,3 +107,5 @@ TEST_CASE("an arm of 60 joints agrees with the dense reference, one of 1000 obey
   check_within("qdd at 60", qdd, 0.9);                           // seen 0.19
   check_within("tip acceleration - u at 1000", commanded, 1.2);  // seen 0.26
 }
+
+}  // namespace osculate::testing::rounding_tests

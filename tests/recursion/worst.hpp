@@ -3,14 +3,12 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <limits>
 #include <string>
 
+#include "scalar/eps.hpp"
 #include "support/catch.hpp"
 
 namespace osculate::testing {
-
-inline constexpr double eps = std::numeric_limits<double>::epsilon();
 
 /// Largest of error / (eps scale). A NaN is worse than everything.
 struct Worst {

@@ -3,7 +3,7 @@
 #include "reference/exact.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::closed_form_tests {
 using Q = Rational;
 using Vector = VectorX<Q>;
 using Matrix = MatrixX<Q>;
@@ -137,3 +137,5 @@ TEST_CASE("polar arm: a slide on a turntable") {
   const Vector T = x.joint.C + x.joint.G - vector(L * (-4 * s - 9 * c), 4 * c - 9 * s);
   CHECK(dense::forward_dynamics(x.joint, x.tip.J, T, F_ext) == vector(0, 0));
 }
+
+}  // namespace osculate::testing::closed_form_tests

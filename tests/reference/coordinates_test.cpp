@@ -3,18 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "scalar/eps.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::coordinates_tests {
 
 namespace {
 
 using Vector = VectorX<double>;
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 Link<double> joint(JointType type, const Vector3<double>& axis) {
   Link<double> out;
@@ -152,3 +150,5 @@ TEST_CASE("a moving pose and the arm that makes it have the same second derivati
   const Matrix3<double> changed = derivatives(derivatives(by_arm.R)) - derivatives(derivatives(moved.R));
   CHECK(changed.cwiseAbs().maxCoeff() > tolerance);
 }
+
+}  // namespace osculate::testing::coordinates_tests

@@ -5,7 +5,7 @@
 #include "reference/exact.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::exact_laws_tests {
 using Q = Rational;
 using D = Dual<Q>;
 using Vector = VectorX<Q>;
@@ -279,3 +279,5 @@ TEST_CASE("fewer rows: the restricted task obeys its own law, in any order of ro
     }
   });
 }
+
+}  // namespace osculate::testing::exact_laws_tests

@@ -9,8 +9,7 @@
 #include "reference/exact.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
-using osculate::Random;
+namespace osculate::testing::ldlt_tests {
 
 namespace {
 
@@ -83,3 +82,5 @@ TEST_CASE("a zero pivot throws over fractions and is not finite over doubles") {
   const VectorX<double> x = dense::solve(dense::factor(a), VectorX<double>(VectorX<double>::Unit(2, 0)));
   CHECK_FALSE(x.allFinite());
 }
+
+}  // namespace osculate::testing::ldlt_tests

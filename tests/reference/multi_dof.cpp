@@ -5,7 +5,7 @@
 #include "reference/exact.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::multi_dof_tests {
 using Q = Rational;
 using Vector = VectorX<Q>;
 using Matrix = MatrixX<Q>;
@@ -293,3 +293,5 @@ TEST_CASE("a base at rest elsewhere is a base at rest with all vectors turned") 
   CHECK(x.tip.p == Vector3<Q>(base.p + base.R * y.tip.p));
   CHECK(Vector3<Q>(x.tip.Jdot_qd.tail(3)) == Vector3<Q>(base.R * y.tip.Jdot_qd.tail(3)));
 }
+
+}  // namespace osculate::testing::multi_dof_tests

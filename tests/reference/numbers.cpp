@@ -11,8 +11,7 @@
 #include "scalar/rational_product.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
-using osculate::Random;
+namespace osculate::testing::numbers_tests {
 
 static_assert(Field<Rational> && Ordered<Rational>);
 static_assert(Field<Dual<double>> && !Ordered<Dual<double>>);
@@ -165,3 +164,5 @@ TEST_CASE("random arms are physical, and the same every time") {
   CHECK(zero.next() == 0xe220a8397b1dcdafu);
   CHECK(zero.next() == 0x6e789e6aa1b965f4u);
 }
+
+}  // namespace osculate::testing::numbers_tests

@@ -12,7 +12,7 @@
 #include "reference/dense.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::puma560_tests {
 using Vector = VectorX<double>;
 using Matrix = MatrixX<double>;
 
@@ -236,3 +236,5 @@ TEST_CASE("PUMA 560: the model file says the same as the table") {
   CHECK(close(x.tip.R, y.tip.R));
   CHECK(close(x.tip.p, y.tip.p));
 }
+
+}  // namespace osculate::testing::puma560_tests

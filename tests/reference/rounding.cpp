@@ -4,12 +4,12 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 #include <string>
 
 #include "model/random_arm.hpp"
 #include "reference/dense.hpp"
+#include "scalar/eps.hpp"
 #include "scalar/rational.hpp"
 #include "support/catch.hpp"
 
@@ -20,8 +20,6 @@ using Vector = VectorX<double>;
 using Matrix = MatrixX<double>;
 
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 double largest(const Matrix& x) { return x.cwiseAbs().maxCoeff<Eigen::PropagateNaN>(); }
 

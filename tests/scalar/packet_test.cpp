@@ -9,7 +9,7 @@
 #include "scalar/field.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::packet_tests {
 
 static_assert(Field<Packet<2>> && Field<Packet<4>> && Field<Packet<8>>);
 static_assert(!Ordered<Packet<4>>);
@@ -118,3 +118,5 @@ TEST_CASE("Eigen multiplies matrices of packets") {
         CHECK(std::abs(C(i, j)[lane] - sum) <= 3 * 300 * 0x1p-52);  // three products below 100
       }
 }
+
+}  // namespace osculate::testing::packet_tests

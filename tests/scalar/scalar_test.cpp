@@ -6,7 +6,7 @@
 #include "scalar/quad.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::scalar_tests {
 using osculate::Random;
 
 static_assert(Field<Quad> && Ordered<Quad>);
@@ -206,3 +206,5 @@ TEST_CASE("Eigen's products over Counted cost what the formula says") {
   CHECK(AB.cast<double>().isApprox(A.cast<double>() * B.cast<double>()));
   CHECK(Av.cast<double>().isApprox(A.cast<double>() * A.cast<double>().col(0)));
 }
+
+}  // namespace osculate::testing::scalar_tests

@@ -11,7 +11,7 @@
 #include "scalar/quad.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::sine_cosine_tests {
 
 namespace {
 
@@ -135,3 +135,5 @@ TEST_CASE("zero and tiny angles are their own sines") {
     CHECK(found.cosine[i] == 1);
   }
 }
+
+}  // namespace osculate::testing::sine_cosine_tests

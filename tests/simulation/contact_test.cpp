@@ -1,15 +1,14 @@
 #include "simulation/contact.hpp"
 
 #include <cmath>
-#include <limits>
 
+#include "scalar/eps.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::contact_tests {
 
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 using V3 = Vector3<double>;
 
 Environment plane() {
@@ -310,3 +309,5 @@ TEST_CASE("power: what the tip loses is stored or lost, at any state") {
   const Touch inside = touch(plane(), {0, 0, 0.25}, v, true);
   CHECK(stored_energy(plane(), inside, true) == 1000 * 0.25 * 0.25 / 2);
 }
+
+}  // namespace osculate::testing::contact_tests

@@ -6,7 +6,7 @@
 #include "simulation/integrator.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::integrator_settings_tests {
 
 namespace {
 
@@ -84,3 +84,5 @@ TEST_CASE("a corrector solved farther costs evaluations, and memory saves them")
   CHECK(run(3, Method::adams, 0, 1e-5, 0).rhs > run(3, Method::adams, 0, 0.1, 0).rhs);
   CHECK(run(3, Method::adams, 0, 1e-5, 1).rhs < run(3, Method::adams, 0, 1e-5, 0).rhs);
 }
+
+}  // namespace osculate::testing::integrator_settings_tests

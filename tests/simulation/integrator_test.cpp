@@ -8,7 +8,7 @@
 
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::integrator_tests {
 using Reason = IntegrationStopped::Reason;
 using State = std::array<double, 2>;
 
@@ -409,3 +409,5 @@ TEST_CASE("what event functions throw stops the run as the right-hand side's doe
     CHECK(std::abs(thrown.state()[0] - std::cos(thrown.t())) < 1e-5);
   }
 }
+
+}  // namespace osculate::testing::integrator_tests

@@ -7,7 +7,7 @@
 #include "experiment/run.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::runs_tests {
 
 namespace {
 
@@ -192,3 +192,5 @@ TEST_CASE("the stiff method agrees with the closed form too") {
   CHECK(r.exit == Exit::ok);
   CHECK(r.worst_position < 1e-6);
 }
+
+}  // namespace osculate::testing::runs_tests

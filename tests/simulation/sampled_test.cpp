@@ -6,7 +6,7 @@
 #include "simulation/integrator.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::sampled_tests {
 
 namespace {
 
@@ -142,3 +142,5 @@ TEST_CASE("a moving base and a singular representation are met as promised") {
   CHECK(r.message.find("roll_pitch_yaw") != std::string::npos);
   CHECK(r.message.find("pitch") != std::string::npos);
 }
+
+}  // namespace osculate::testing::sampled_tests

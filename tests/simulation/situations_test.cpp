@@ -1,19 +1,18 @@
 // Laws and plants beyond tracking in free space, through the closed loop that `run` integrates.
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "experiment/config.hpp"
 #include "experiment/make_loop.hpp"
 #include "experiment/stops.hpp"
+#include "scalar/eps.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::situations_tests {
 
 namespace {
 
 const std::filesystem::path experiments = std::filesystem::path(OSCULATE_SOURCE_DIR) / "experiments";
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 struct Built {
   Experiment experiment;
@@ -183,3 +182,5 @@ TEST_CASE("without a policy a singular arm is refused with the row that it loses
   damped.y[4] = 0;
   CHECK(damped.loop.observe(0, damped.y).command.filtered);
 }
+
+}  // namespace osculate::testing::situations_tests

@@ -6,8 +6,7 @@
 #include "verification/bounds_sample.hpp"
 #include "verification/trajectory.hpp"
 
-using namespace osculate;
-using namespace osculate::testing;
+namespace osculate::testing::claims_tests {
 
 namespace {
 
@@ -233,3 +232,5 @@ TEST_CASE("the verdict: worst step, undecided steps, failures and not-a-number")
   CHECK(undecided(11).outcome == Outcome::fail);
   CHECK(undecided(1000).outcome == Outcome::fail);  // never passed
 }
+
+}  // namespace osculate::testing::claims_tests

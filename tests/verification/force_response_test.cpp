@@ -1,17 +1,15 @@
 #include "verification/force_response.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "control/differences.hpp"
+#include "scalar/eps.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::force_response_tests {
 using namespace osculate::test;
 
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 const std::initializer_list<ForceLoop> loops{
     {1e4, 0, 1, 0, 10},      // undamped
@@ -87,3 +85,5 @@ TEST_CASE("damping of the surface and of the law add as d/m + D, but only the su
   CHECK(pressure(surface, a) - pressure(law, b) == Approx(12 * a.ed).epsilon(1e3 * eps));
   CHECK(std::abs(a.ed) > 0.01);
 }
+
+}  // namespace osculate::testing::force_response_tests

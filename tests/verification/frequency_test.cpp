@@ -4,15 +4,15 @@
 #include <random>
 
 #include "control/linear_response.hpp"
+#include "scalar/eps.hpp"
 #include "support/catch.hpp"
 #include "verification/frequency_response.hpp"
 
-using namespace osculate;
+namespace osculate::testing::frequency_tests {
 using Complex = std::complex<double>;
 
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 const std::vector<double> frequencies{0.5, 1, 2, 4};  // Hz
 const std::vector<Complex> known{{0.005, -0.001}, {-0.002, 0.004}, {1e-6, 2e-6}, {0, -0.005}};
 
@@ -164,3 +164,5 @@ TEST_CASE("gain and phase of a linear axis are the designed ones, and a wrong da
   }
   CHECK_THROWS_AS(compare(fitted(0, 4, 0.01, 0, exact), {1.0}, 100, 20, 0), std::domain_error);
 }
+
+}  // namespace osculate::testing::frequency_tests

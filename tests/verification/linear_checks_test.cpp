@@ -9,7 +9,7 @@
 #include "verification/departure.hpp"
 #include "verification/error_growth.hpp"
 
-using namespace osculate;
+namespace osculate::testing::linear_checks_tests {
 
 namespace {
 
@@ -208,3 +208,5 @@ TEST_CASE("time beyond the limits of the joints") {
   CHECK(r.beyond_effort[1].total == 1);
   CHECK(r.torque[0].value == infinite);
 }
+
+}  // namespace osculate::testing::linear_checks_tests

@@ -4,15 +4,14 @@
 #include <cmath>
 
 #include "model/urdf.hpp"
+#include "scalar/eps.hpp"
 #include "support/catch.hpp"
 #include "verification/claims.hpp"
 
-using namespace osculate;
+namespace osculate::testing::poles_tests {
 using Complex = std::complex<double>;
 
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 const std::vector<double> bent{0, -0.8, 0.4, 0, 0.6, 0};             // rad, PUMA
 const std::vector<double> seven{0.3, 0.5, 0.2, 1.2, 0.1, 0.8, 0.2};  // rad, arm7
@@ -249,3 +248,5 @@ TEST_CASE("poles are refused away from equilibrium and for laws without designed
   law.position = PositionCoordinates::cylindrical;
   CHECK(refusal(Resting(puma, bent, law)).find("rotation vector") != std::string::npos);
 }
+
+}  // namespace osculate::testing::poles_tests
