@@ -11,6 +11,8 @@
 #include <iostream>
 
 #include "experiment/run.hpp"
+#include "record/restart_point.hpp"
+#include "record/texts.hpp"
 
 namespace osculate {
 
@@ -34,12 +36,28 @@ Exit contained(const std::string& file, const Work& work) {
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
   if (WIFEXITED(status)) return static_cast<Exit>(WEXITSTATUS(status));
-  const bool late = WTERMSIG(status) == SIGALRM;
+  const bool late = WTERMSIG(status) == SIGALRM || WTERMSIG(status) == SIGXCPU;
   std::cerr << "osculate: " << file << ": is damaged so that reading it "
             << (late ? "came to no end"
                      : std::string("crashed the HDF5 library (") + strsignal(WTERMSIG(status)) + ")")
             << "; nothing was written under the final name\n";
   return Exit::io_failure;
+}
+
+/// Reads all of a result file in a child. After Exit::ok this process can read it too, and says itself what
+/// else may be wrong with the file.
+inline Exit try_reading(const std::filesystem::path& file) {
+  return contained(file.string(), [&] {
+    const auto attempt = [](const auto& read) {
+      try {
+        read();
+      } catch (const std::exception&) {}
+    };
+    attempt([&] { read_texts(file); });
+    attempt([&] { last_restart_point(file); });
+    attempt([&] { read_all(file, still_alive); });
+    return Exit::ok;
+  });
 }
 
 }  // namespace osculate

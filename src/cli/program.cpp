@@ -292,7 +292,8 @@ void add_again(Entry& entry, const char* name, const char* about, const char* ou
       sub,
       [=] {
         if (!*quiet && isatty(STDERR_FILENO)) options->progress = show_progress;
-        return act(*options, std::cout, std::cerr);
+        const Exit readable = try_reading(options->file);
+        return readable == Exit::ok ? act(*options, std::cout, std::cerr) : readable;
       },
       true);
 }
@@ -302,7 +303,11 @@ void add_diff(Entry& entry) {
   const auto files = std::make_shared<std::array<std::string, 2>>();
   sub->add_option("a", (*files)[0], "A.h5")->required();
   sub->add_option("b", (*files)[1], "B.h5")->required();
-  entry.add(sub, [=] { return diff((*files)[0], (*files)[1], std::cout); });
+  entry.add(sub, [=] {
+    for (const std::string& file : *files)
+      if (const Exit readable = try_reading(file); readable != Exit::ok) return readable;
+    return diff((*files)[0], (*files)[1], std::cout);
+  });
 }
 
 /// A file that becomes another one.
@@ -318,6 +323,7 @@ void add_export(Entry& entry) {
   sub->add_option("--csv", files->to, "directory for comma-separated values")->required();
   sub->add_flag("--force", files->force, "write into a directory that has files");
   entry.add(sub, [=] {
+    if (const Exit readable = try_reading(files->from); readable != Exit::ok) return readable;
     const auto made = export_csv(files->from, files->to, files->force);
     std::cout << "exported into " << files->to << ": " << made.size() << " files, described in columns.csv\n";
     return Exit::ok;

@@ -1,6 +1,6 @@
 #include "record/texts.hpp"
 
-#include "record/hdf5_read.hpp"
+#include "record/hdf5_whole.hpp"
 
 namespace osculate {
 
@@ -21,6 +21,19 @@ ResultTexts read_texts(const std::filesystem::path& file) {
   for (const StringList& list : input.layout.lists) out.lists[list.path] = list.values;
   for (const Axis& axis : input.layout.axes) out.lists[axis.name] = axis.labels;
   return out;
+}
+
+void read_all(const std::filesystem::path& file, const std::function<void()>& alive) {
+  const hdf5::WholeFile whole = hdf5::open_whole(file, hdf5::Part::everything);
+  for (const hdf5::Dataset& dataset : whole.datasets) {
+    alive();
+    if (dataset.type == hdf5::Type::text) hdf5::read_strings(dataset.id, dataset.path, whole.check);
+    if (dataset.type != hdf5::Type::real && dataset.type != hdf5::Type::whole) continue;
+    for (hsize_t first = 0; first < dataset.rows(); first += hdf5::block_rows) {
+      hdf5::read_words(dataset, first, std::min(hdf5::block_rows, dataset.rows() - first), whole.check);
+      alive();
+    }
+  }
 }
 
 }  // namespace osculate

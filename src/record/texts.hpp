@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -23,5 +24,9 @@ struct ResultTexts {
 /// Reads them, from a finished file or what a killed run left. Throws FileError, also where it is no result
 /// file of osculate.
 ResultTexts read_texts(const std::filesystem::path& file);
+
+/// Reads every attribute and value of a result file and forgets them: what can be read once can be read
+/// again. `alive` is called after each block of rows. Throws FileError.
+void read_all(const std::filesystem::path& file, const std::function<void()>& alive);
 
 }  // namespace osculate

@@ -15,9 +15,12 @@ HOSTILE = ROOT / "tests" / "fuzz" / "corpus" / "result"
 MEMORY = 2 << 30  # bytes that a call may take
 
 
-def call(*arguments):
+def call(*arguments, limits={}):
+    def limit():
+        for what, bounds in {resource.RLIMIT_AS: (MEMORY, MEMORY), **limits}.items():
+            resource.setrlimit(what, bounds)
     return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, timeout=60, errors="replace",
-                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY)))
+                          preexec_fn=limit)
 
 
 def chain(joints):
@@ -123,6 +126,18 @@ class Limits(unittest.TestCase):
             self.assertEqual(done.returncode, 4, file)
             self.assertIn(f"{file}: ", done.stderr)
             self.assertFalse(out.exists())
+
+    def test_result_files_that_take_what_reads_them_down(self):
+        crashing, endless, good = HOSTILE / "raw_heap1", HOSTILE / "raw_endless", HOSTILE / "raw_killed"
+        out = self.folder / "out"
+        for file, says in ((crashing, "crashed the HDF5 library"), (endless, "came to no end")):
+            for verb in (["diff", good, file], ["export", file, "--csv", out], ["replay", file],
+                         ["resume", file, "-o", out]):
+                # Reading without end uses up the reader's second of processor time; the caller has its own.
+                done = call(*verb, limits={resource.RLIMIT_CPU: (1, 10)})
+                self.assertEqual(done.returncode, 4, (verb, done.stderr))
+                self.assertIn(f"{file}: is damaged so that reading it {says}", done.stderr)
+                self.assertFalse(out.exists())
 
 
 if __name__ == "__main__":
