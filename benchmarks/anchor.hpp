@@ -12,7 +12,7 @@ namespace osculate::bench {
 struct Anchor {
   Arm arm;
   std::vector<double> q;                                   // rad, at t = 0
-  double duration;                                         // s
+  double duration, interval;                               // s; between outputs
   double stiffness, damping;                               // 1/s^2 and 1/s, of all six rows
   Eigen::Matrix3d R;                                       // the orientation to hold
   std::function<void(double t, double* p_v_a)> path;       // 9 numbers: m, m/s, m/s^2
@@ -20,12 +20,13 @@ struct Anchor {
 };
 
 struct AnchorRun {
-  long rhs = 0, steps = 0;  // rhs: evaluations of the law
-  double seconds = 0;       // of processor time, without loading the arm
+  long rhs = 0, steps = 0, failures = 0;  // evaluations of the law; steps; steps refused
+  double seconds = 0;                     // of processor time, without loading the arm
 };
 
-/// The function that a peer's module exports as `run_anchor`: a run in so many steps of one length.
-using RunAnchor = void(const Anchor&, double steps, AnchorRun&);
+/// The function that a peer's module exports as `run_anchor`: a run in so many steps of one length, or at a
+/// tolerance, as its integrator takes.
+using RunAnchor = void(const Anchor&, double steps_or_tolerance, AnchorRun&);
 
 /// The tip acceleration that the law asks for where the tip has the pose R, p and the velocity V (angular
 /// first).

@@ -2,8 +2,10 @@
 #include <Simbody.h>
 
 #include <Eigen/Geometry>
+#include <ctime>
 #include <memory>
 
+#include "benchmarks/anchor.hpp"
 #include "benchmarks/dense_task.hpp"
 #include "benchmarks/lists.hpp"
 
@@ -68,10 +70,13 @@ struct Simbody {
     std::copy_n(given.q.data(), n, &state.updQ()[0]);
     std::copy_n(given.qd.data(), n, &state.updU()[0]);
     system.realize(state, SimTK::Stage::Dynamics);
+    weigh(state);
+  }
+
+  void weigh(const SimTK::State& at) {
     weights.resize(matter.getNumBodies());
     weights.setToZero();
-    for (const auto& [body, com, weight] : masses)
-      matter.addInStationForce(state, body, com, weight, weights);
+    for (const auto& [body, com, weight] : masses) matter.addInStationForce(at, body, com, weight, weights);
   }
 
   void forward_dynamics(const State& given, Answer& answer) {
@@ -105,11 +110,16 @@ struct Simbody {
 
   void task_dense(const State& given, Answer& answer) {
     place(given);
-    matter.calcM(state, M);
-    matter.calcResidualForceIgnoringConstraints(state, none, weights, none, udot);
-    matter.calcFrameJacobian(state, last, tip_point, J);
+    solve_dense(state, given, answer);
+  }
+
+  /// The same where velocities are realized and `weights` known.
+  void solve_dense(const SimTK::State& at, const State& given, Answer& answer) {
+    matter.calcM(at, M);
+    matter.calcResidualForceIgnoringConstraints(at, none, weights, none, udot);
+    matter.calcFrameJacobian(at, last, tip_point, J);
     for (int j = 0; j < n; ++j) task.J.col(j) = six(J[j]);
-    task.Jdot_qd = six(matter.calcBiasForFrameJacobian(state, last, tip_point));
+    task.Jdot_qd = six(matter.calcBiasForFrameJacobian(at, last, tip_point));
     task.solve(Eigen::Map<const Eigen::MatrixXd>(&M(0, 0), n, n),
                Eigen::Map<const Eigen::VectorXd>(&udot[0], n), given, answer);
   }
@@ -160,7 +170,84 @@ struct Simbody {
   DenseTask task;
 };
 
+/// The arm with its weight and the law as forces, which Simbody asks for at every evaluation.
+struct ControlledSimbody : Simbody {
+  explicit ControlledSimbody(const Anchor& given)
+      : Simbody(given.arm),
+        anchor(given),
+        forces(system),
+        answer{{}, {}, std::vector<double>(anchor.q.size())} {
+    SimTK::Force::Gravity(forces, matter, gravity);
+    SimTK::Force::Custom(forces, new Law(*this));  // the subsystem owns it
+    system.realizeTopology();
+    state = system.getDefaultState();
+    std::copy_n(anchor.q.data(), n, &state.updQ()[0]);
+  }
+
+  struct Law : SimTK::Force::Custom::Implementation {
+    explicit Law(ControlledSimbody& arm) : controlled(arm) {}
+    void calcForce(const SimTK::State& at, SimTK::Vector_<SimTK::SpatialVec>&, SimTK::Vector_<SimTK::Vec3>&,
+                   SimTK::Vector& torques) const override {
+      controlled.control(at, torques);
+    }
+    SimTK::Real calcPotentialEnergy(const SimTK::State&) const override { return 0; }
+    ControlledSimbody& controlled;
+  };
+
+  SimTK::Vec3 tip_position(const SimTK::State& at) const {
+    return matter.getMobilizedBody(last).findStationLocationInGround(at, tip_point);
+  }
+
+  void control(const SimTK::State& at, SimTK::Vector& torques) {
+    const SimTK::MobilizedBody& body = matter.getMobilizedBody(last);
+    const SimTK::Mat33& axes = body.getBodyRotation(at).asMat33();
+    Eigen::Matrix3d R;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) R(i, j) = axes(i, j);
+    const SimTK::Vec3 p = tip_position(at), v = body.findStationVelocityInGround(at, tip_point);
+    command(anchor, at.getTime(), R * anchor.arm.R_tip, {p[0], p[1], p[2]},
+            six({body.getBodyAngularVelocity(at), v}), asked);
+    weigh(at);
+    solve_dense(at, asked, answer);
+    for (int i = 0; i < n; ++i) torques[i] += answer.T[static_cast<std::size_t>(i)];
+    ++result.rhs;
+  }
+
+  /// Nothing is asked of it before the end unless somebody observes: each output costs it all forces.
+  void run(double accuracy) {
+    SimTK::CPodesIntegrator integrator(system, SimTK::CPodes::Adams, SimTK::CPodes::Functional);
+    integrator.setAccuracy(accuracy);
+    integrator.setInternalStepLimit(100000);  // it warns of every 500 otherwise
+    SimTK::TimeStepper stepper(system, integrator);
+    stepper.initialize(state);
+    const long rows = anchor.observe ? std::lround(anchor.duration / anchor.interval) : 1;
+    for (long row = 1; row <= rows; ++row) {
+      stepper.stepTo(anchor.duration * static_cast<double>(row) / static_cast<double>(rows));
+      const SimTK::State& at = stepper.getState();
+      if (anchor.observe) anchor.observe(at.getTime(), &tip_position(at)[0]);
+    }
+    result.steps = integrator.getNumStepsTaken();
+    result.failures = integrator.getNumErrorTestFailures();
+  }
+
+  const Anchor& anchor;
+  SimTK::GeneralForceSubsystem forces;
+  State asked;
+  Answer answer;
+  AnchorRun result;
+};
+
 }  // namespace
+
+/// CPodesIntegrator: Adams with functional iteration, at an accuracy.
+extern "C" __attribute__((visibility("default"))) void run_anchor(const Anchor& anchor, double accuracy,
+                                                                  AnchorRun& result) {
+  ControlledSimbody simbody(anchor);
+  const std::clock_t start = std::clock();
+  simbody.run(accuracy);
+  result = simbody.result;
+  result.seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+}
 
 extern "C" __attribute__((visibility("default"))) void add_routes(const Arm& arm,
                                                                   std::vector<Route>& routes) {

@@ -202,6 +202,7 @@ class Bench {
     return {jury::arm_of(loop_.plant().chain),
             {q.begin(), q.end()},
             experiment_.duration,
+            experiment_.output.interval,
             experiment_.controller.stiffness[3],
             experiment_.controller.damping[3],
             start.pose.R,

@@ -25,7 +25,8 @@ PROBLEMS = {"ur5e_circle": "UR5e-like arm, circle, 10 s", "puma560_circle": "PUM
 SETTINGS = {"adams": (BLUE, "o"), "adams, order <= 5": (SKY, "v"), "adams, CVODE's own corrector": (BLACK, "x"),
             "bdf": (VERMILION, "s"), "runge_kutta": (GREEN, "^")}
 TARGETS = (1e-4, 1e-6, 1e-8, 1e-9)
-PEERS = ("MuJoCo, RK4",)
+PEERS = {"MuJoCo, RK4": (ORANGE, "D"), "Simbody, CPodes Adams": (PURPLE, "P")}
+PEERS_PROBLEM = "ur5e_circle"
 PEER_TARGETS = (1e-6, 1e-9)
 
 
@@ -35,7 +36,7 @@ def read(file):
     for row in rows:
         for key in row:
             if key not in ("problem", "setting"):
-                row[key] = float(row[key])
+                row[key] = float(row[key] or "nan")  # fixed steps have no rtol
     return [row for row in rows if row["error"] > max(10 * row["floor"], 0)]
 
 
@@ -60,22 +61,22 @@ def work(rows, problem, setting, target):
 
 
 def peer_table(rows):
-    """The integrators of the peers that were there, with the time of each over that of ours in the same run."""
+    """The integrators of the peers that were there, with the time of each over that of ours."""
     present = [peer for peer in PEERS if any(row["setting"] == peer for row in rows)]
     if not present:
-        return []
+        return ["No peer was installed.", ""]
     lines = ["| system | " + " | ".join(f"{t:.0e} m: laws, steps, ms of processor time | times ours"
                                        for t in PEER_TARGETS) + " |",
              "|---|" + "---|---|" * len(PEER_TARGETS)]
     for name, setting in (("this project, Adams", "adams"), *((peer, peer) for peer in present)):
         cells = []
         for target in PEER_TARGETS:
-            rhs, steps, seconds = work(rows, "ur5e_circle", setting, target)
-            ours = work(rows, "ur5e_circle", "adams", target)[2]
+            rhs, steps, seconds = work(rows, PEERS_PROBLEM, setting, target)
+            ours = work(rows, PEERS_PROBLEM, "adams", target)[2]
             cells += (["-", "-"] if rhs is None or ours is None else
                       [f"{rhs:.0f}, {steps:.0f}, {1e3 * seconds:.1f}", f"{seconds / ours:.1f}"])
         lines.append(f"| {name} | " + " | ".join(cells) + " |")
-    return lines
+    return [*lines, ""]
 
 
 def tables(rows):
@@ -97,14 +98,16 @@ def tables(rows):
 
 
 def figure(rows):
-    height = 3.0 * len(PROBLEMS) + 0.6
+    height = 3.0 * len(PROBLEMS) + 0.7
     picture = Figure(figsize=(9.5, height))
     panels = picture.subplots(len(PROBLEMS), 2, sharey="row",
-                              gridspec_kw={"left": 0.08, "right": 0.98, "bottom": 0.5 / height, "top": 1 - 0.7 / height,
+                              gridspec_kw={"left": 0.08, "right": 0.98, "bottom": 0.5 / height, "top": 1 - 0.8 / height,
                                            "hspace": 0.3, "wspace": 0.06})
     for (problem, title), (left, right) in zip(PROBLEMS.items(), panels):
-        for setting, (colour, marker) in SETTINGS.items():
+        for setting, (colour, marker) in (SETTINGS | PEERS).items():
             mine = [row for row in rows if row["problem"] == problem and row["setting"] == setting]
+            if not mine:
+                continue
             for axes, of in ((left, lambda row: row["rhs"]), (right, lambda row: 1e3 * row["seconds"])):
                 axes.loglog([of(row) for row in mine], [row["error"] for row in mine], color=colour, marker=marker,
                             markersize=3.5, linewidth=0.8, label=setting)
@@ -113,10 +116,10 @@ def figure(rows):
         for axes in (left, right):
             for target in (1e-6, 1e-9):
                 axes.axhline(target, color=GREY, linewidth=0.6, linestyle=":")
-    panels[-1][0].set_xlabel("right-hand sides")
+    panels[-1][0].set_xlabel("right-hand sides (peers: evaluations of the law)")
     panels[-1][1].set_xlabel("processor time without checks [ms]")
     handles, labels = panels[0][0].get_legend_handles_labels()
-    picture.legend(handles, labels, loc="upper center", ncol=len(SETTINGS))
+    picture.legend(handles, labels, loc="upper center", ncol=4)
     picture.savefig(PICTURE)
 
 
@@ -129,10 +132,7 @@ def replaced(text, begin, end, lines):
 
 def write_page(rows):
     text = replaced(PAGE.read_text(), "<!-- measured -->", "<!-- end -->", tables(rows))
-    peers = peer_table(rows)
-    if peers:  # otherwise the last measurement with peers stays
-        text = replaced(text, "<!-- peers -->", "<!-- end of peers -->", [*peers, ""])
-    PAGE.write_text(text)
+    PAGE.write_text(replaced(text, "<!-- peers -->", "<!-- end of peers -->", peer_table(rows)))
 
 
 def main():
