@@ -92,6 +92,23 @@ TEST_CASE("a mistake is named with its size") {
   CHECK(late.coefficients[0].value == Approx(delay).margin(1e-4));
 }
 
+TEST_CASE("another gravity and a weak joint are named with their sizes, in a log that is right without") {
+  const JudgedArm arm = judged_arm("puma560");
+  CHECK(judged(arm, {}).ruling == Ruling::right);
+  const Judgement pulled = judged(arm, {"gravity_vector"}), weak = judged(arm, {"torque_scale"});
+  INFO(report(pulled, "gravity") << report(weak, "torques"));
+  REQUIRE(named(pulled) == Mistakes{"gravity_vector"});
+  for (int i = 0; i < 3; ++i) {
+    const Coefficient& c = pulled.findings[0].coefficients[static_cast<std::size_t>(i)];
+    CHECK(std::abs(c.value - wrong_gravity[i]) < 5 * c.deviation + 1e-3);
+  }
+  REQUIRE(named(weak) == Mistakes{"torque_scale"});
+  for (std::size_t i = 0; i < 6; ++i) {
+    const Coefficient& c = weak.findings[0].coefficients[i];
+    CHECK(std::abs(c.value - (i == 1 ? weak_joint : 0)) < 5 * c.deviation + 1e-3);
+  }
+}
+
 TEST_CASE("two mistakes are told apart, on a redundant arm too") {
   // ./dev judge tries all pairs of six terms on three arms.
   const std::vector<std::pair<const char*, Mistakes>> cases{{"puma560", {"jdot_qd", "coriolis"}},
@@ -116,6 +133,7 @@ TEST_CASE("from references in place of u: gains are found, and mistakes of the e
   CHECK(judged(arm, {}, {.seconds = 1, .noise = 1e-3, .with_reference = true}).ruling == Ruling::right);
   const Judgement right = judged(arm, {}, choice);
   CHECK(right.ruling == Ruling::right);
+  CHECK(right.conventions.at(0).find("e.. + D e. + K e = 0") != std::string::npos);
   REQUIRE(right.gains.size() == 4);
   for (const Coefficient& gain : right.gains) {
     const double truth = gain.name.starts_with("stiffness") ? stiffness : damping;
@@ -127,6 +145,28 @@ TEST_CASE("from references in place of u: gains are found, and mistakes of the e
   const Log misread = simulate(arm, {"quaternion_reference"}, choice);
   CHECK(named(judge(arm.chain, misread, known)) == Mistakes{"quaternion_reference"});
   CHECK(named(judge(arm.chain, simulate(arm, {"feedforward"}, choice), known)) == Mistakes{"feedforward"});
+}
+
+TEST_CASE("damping of the angular velocity is as right as damping of the error's derivative") {
+  JudgedArm arm = judged_arm("puma560");
+  arm.error_law = ErrorLaw::angular_velocity;
+  JudgeOptions known = options_for(arm);
+  known.gains = Gains{Vector6::Constant(stiffness), Vector6::Constant(damping)};
+  const Judgement found = judge(arm.chain, simulate(arm, {}, {.seconds = 1, .with_reference = true}), known);
+  INFO(report(found, arm.name));
+  CHECK(found.ruling == Ruling::right);
+  CHECK(found.conventions.at(0).find("omega. = omega_ref. + D (omega_ref - omega)") != std::string::npos);
+}
+
+TEST_CASE("a gain that is found negative is a mistake") {
+  const JudgedArm arm = judged_arm("puma560");
+  // The loop would be unstable: the right law moves the arm, whose own log is judged right above.
+  const Judgement found = judged(arm, {"gains"}, {.seconds = 1, .with_reference = true, .in_charge = false});
+  INFO(report(found, arm.name));
+  CHECK(found.ruling == Ruling::wrong);
+  REQUIRE(named(found) == Mistakes{"gains"});
+  CHECK(found.findings[0].coefficients.at(0).name == "damping, linear");
+  CHECK(found.findings[0].coefficients[0].value == Approx(-damping).epsilon(0.05));
 }
 
 TEST_CASE("the order of u is recognised, or asked for") {

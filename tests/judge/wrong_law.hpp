@@ -20,6 +20,7 @@ struct JudgedArm {
   std::vector<double> viscous;  // N m s/rad or N s/m: of the true arm, to be compensated
   std::vector<double> q;        // where it starts
   std::vector<int> rows{0, 1, 2, 3, 4, 5};
+  ErrorLaw error_law = ErrorLaw::rotation_vector;  // of its controller: no mistake
 };
 
 inline JudgedArm judged_arm(const std::string& name) {
@@ -44,13 +45,15 @@ using Mistakes = std::set<std::string>;
 inline constexpr double stiffness = 100, damping = 20;      // 1/s^2, 1/s
 inline const Vector3<double> wrong_tip{0.03, -0.02, 0.05};  // m, tip axes
 inline constexpr double delay = 0.004;                      // s
+inline constexpr double weak_joint = -0.1;                  // of joint 2's torque
+inline const Vector3<double> wrong_gravity{0.3, 0, -0.2};   // m/s^2
 
 /// Mass at the tip, unknown to who omits it, kg: half of the last link's.
 inline double payload_of(const JudgedArm& arm) { return std::min(0.8, arm.chain.links.back().mass / 2); }
 
 /// u of pose tracking, with what may go wrong in it.
-inline Vector6 tracking(const TipReference& reference, const dense::Kinematics<double>& tip,
-                        const Mistakes& mistakes) {
+inline Vector6 tracking(const JudgedArm& arm, const TipReference& reference,
+                        const dense::Kinematics<double>& tip, const Mistakes& mistakes) {
   const auto misread = [](const Matrix3<double>& R) {
     const Eigen::Vector4d x = quaternion(R);
     return Eigen::Quaterniond(x[3], x[0], x[1], x[2]).toRotationMatrix();
@@ -59,8 +62,12 @@ inline Vector6 tracking(const TipReference& reference, const dense::Kinematics<d
   if (mistakes.contains("quaternion_reference")) asked.pose.R = misread(reference.pose.R);
   if (mistakes.contains("feedforward")) asked.acceleration.setZero();
   const PoseError error = pose_error(asked, {tip.R, tip.p}, tip.tip_velocity);
+  Vector6 D = Vector6::Constant(damping);
+  if (mistakes.contains("gains")) D.tail<3>() *= -1;
+  if (arm.error_law == ErrorLaw::angular_velocity)
+    return asked.acceleration + D.cwiseProduct(asked.velocity - tip.tip_velocity) + stiffness * error.e;
   return pose_command(asked, {tip.R, tip.p}, tip.tip_velocity, error,
-                      -damping * error.ed - stiffness * error.e);
+                      -D.cwiseProduct(error.ed) - stiffness * error.e);
 }
 
 /// (16) with mistakes. `u`: what was commanded, as a log would have it.
@@ -81,12 +88,13 @@ inline VectorX<double> wrong_torque(const JudgedArm& arm, const std::vector<doub
   }
   if (made("armature"))
     for (auto& link : chain.links) link.armature = 0;
+  if (made("gravity_vector")) chain.gravity += wrong_gravity;
   if (made("tip_point")) chain.p_tip += chain.R_tip * wrong_tip;
   const auto joints = positions(chain, std::span<const double>(q));
   const auto [tip, joint] = dense::state(chain, joints, qd, {});
   const auto task = dense::mobility(tip, joint, arm.rows);
   const auto Omega = dense::factor(task.Omega);
-  u = tracking(reference, dense::state(arm.chain, joints, qd, {}).tip, mistakes);
+  u = tracking(arm, reference, dense::state(arm.chain, joints, qd, {}).tip, mistakes);
   Vector6 used = u;
   if (made("swapped_rows")) used << u.tail<3>(), u.head<3>();
   if (made("u_in_tip_frame")) used << tip.R * u.head<3>(), tip.R * u.tail<3>();
@@ -112,6 +120,7 @@ inline VectorX<double> wrong_torque(const JudgedArm& arm, const std::vector<doub
   }
   if (!made("viscous"))
     for (Eigen::Index i = 0; i < T.size(); ++i) T[i] += arm.viscous[static_cast<std::size_t>(i)] * qd[i];
+  if (made("torque_scale")) T[1] *= 1 + weak_joint;
   return T;
 }
 
