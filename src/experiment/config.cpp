@@ -61,7 +61,10 @@ IntegratorConfig read_integrator(const Setting& setting) {
                           {"atol", "rad, m; per s",
                            "absolute local error, > 0: a number, or {position: x, velocity: y}", "1e-12"},
                           {"max_step", "s", "longest step; 0: chosen by the program"},
-                          {"max_steps", "", "a run that needs more stops early"}});
+                          {"max_steps", "", "a run that needs more stops early"},
+                          {"jacobian", "",
+                           "of bdf: `automatic` (dual numbers; where arm or law have none, differences) or "
+                           "`differences`"}});
   IntegratorConfig out;
   read(map.at("method"), out.method,
        {{"adams", Method::adams}, {"bdf", Method::bdf}, {"runge_kutta", Method::runge_kutta}});
@@ -78,6 +81,8 @@ IntegratorConfig read_integrator(const Setting& setting) {
   }
   read(map.at("max_step"), out.max_step, at_least_zero("0 lets the program choose"));
   read(map.at("max_steps"), out.max_steps, 1);
+  read(map.at("jacobian"), out.jacobian,
+       {{"automatic", JacobianBy::automatic}, {"differences", JacobianBy::differences}});
   return out;
 }
 

@@ -105,6 +105,7 @@ struct IntegratorConfig {
   double atol_velocity = 1e-12;  // rad/s or m/s
   double max_step = 0;           // s; 0: chosen by the program
   long max_steps = 50'000'000;   // a run that needs more stops early
+  JacobianBy jacobian = JacobianBy::automatic;  // of bdf; differences where the loop has no other
 };
 
 struct OutputConfig {

@@ -241,13 +241,15 @@ std::string to_yaml(const Experiment& x) {
 
   const auto& i = x.integrator;
   const char* methods[] = {"adams", "bdf", "runge_kutta"};
+  const char* jacobians[] = {"automatic", "differences"};
   out << "integrator:\n"
       << "  method: " << methods[static_cast<int>(i.method)] << "\n"
       << "  rtol: " << number(i.rtol) << "\n"
       << "  atol: {position: " << number(i.atol_position) << ", velocity: " << number(i.atol_velocity)
       << "}\n"
       << "  max_step: " << number(i.max_step) << "\n"
-      << "  max_steps: " << std::to_string(i.max_steps) << "\n";
+      << "  max_steps: " << std::to_string(i.max_steps) << "\n"
+      << "  jacobian: " << jacobians[static_cast<int>(i.jacobian)] << "\n";
 
   out << "duration: " << number(x.duration) << "\n"
       << "output:\n"

@@ -107,6 +107,8 @@ class Runner {
     row_state_.resize(y0.size());
     if (experiment_.verify.poles) measurements_.linearise(problem_, y0);
     result_.error.tolerance = experiment_.integrator.rtol + experiment_.integrator.atol_position;
+    result_.automatic_jacobian =
+        automatic_jacobian(integrator_options(experiment_.integrator, blank_, 1), blank_);
     Stops stops(experiment_, problem_.controller());
     if (options_.from) {
       trajectory_.emplace(problem_, problem_.observe(0, y0));
@@ -416,6 +418,7 @@ class Runner {
 IntegratorOptions integrator_options(const IntegratorConfig& config, const ClosedLoop& loop, double tighter) {
   IntegratorOptions options;
   options.method = config.method;
+  options.jacobian = config.jacobian;
   options.rtol = std::max(config.rtol / tighter, std::min(config.rtol, smallest_rtol));
   options.max_step = config.max_step > 0 ? config.max_step : default_max_step;
   options.atol.assign(static_cast<std::size_t>(loop.positions()), config.atol_position / tighter);

@@ -3,16 +3,24 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "experiment/config.hpp"
 #include "simulation/closed_loop.hpp"
+#include "simulation/closed_loop_slopes.hpp"
 #include "simulation/integrator.hpp"
 
 namespace osculate {
 
 /// `tighter`: the tolerances of the configuration are divided by this.
 IntegratorOptions integrator_options(const IntegratorConfig& config, const ClosedLoop& loop, double tighter);
+
+/// Whether df/dy comes from ClosedLoopSlopes.
+inline bool automatic_jacobian(const IntegratorOptions& options, const ClosedLoop& loop) {
+  return options.method == Method::bdf && options.jacobian == JacobianBy::automatic &&
+         ClosedLoopSlopes::exist(loop);
+}
 
 /// Its own copy of the closed loop, so that no workspace is shared. The reference may jump at the end of a
 /// segment; up to `limit` the integrator sees it from the left.
@@ -67,7 +75,14 @@ class Simulation {
         integrator(
             [this](double t, const double* y, double* yd) { loop.right_side(std::min(t, limit), y, yd); }, t0,
             y0, options, loop.event_count(),
-            [this](double t, const double* y, double* g) { loop.events(std::min(t, limit), y, g); }) {}
+            [this](double t, const double* y, double* g) { loop.events(std::min(t, limit), y, g); },
+            jacobian(options)) {}
+  Integrator::Jacobian jacobian(const IntegratorOptions& options) {
+    if (!automatic_jacobian(options, loop)) return {};
+    return [this, slopes = std::make_shared<ClosedLoopSlopes>(loop)](double t, const double* y, double* df) {
+      (*slopes)(std::min(t, limit), y, df);
+    };
+  }
   bool settle() {
     event_pending_ = false;
     const bool changed = loop.switch_modes(std::min(integrator.t(), limit), integrator.state());

@@ -21,6 +21,16 @@ void approach(const Ball& ball, const Vector3<double>& p, Touch& out) {
   out.gap = distance - ball.radius;
 }
 
+/// Change of the normal where the point moves by dp.
+Vector3<double> normal_slope(const Plane&, const Touch&, const Vector3<double>&) {
+  return Vector3<double>::Zero();
+}
+Vector3<double> normal_slope(const Ball& ball, const Touch& at, const Vector3<double>& dp) {
+  const double distance = at.gap + ball.radius;
+  if (!(distance > 0)) return Vector3<double>::Zero();
+  return (dp - at.normal.dot(dp) * at.normal) / distance;
+}
+
 /// Velocity along the surface, m/s.
 Vector3<double> slip_velocity(const Touch& at, const Vector3<double>& v) { return v + at.entry * at.normal; }
 
@@ -60,6 +70,35 @@ double lost_power(const Environment& environment, const Touch& at, const Vector3
   const double slip = slip_velocity(at, v).norm();
   const double pressure = environment.damping * at.entry - environment.stiffness * at.gap;
   return environment.damping * at.entry * at.entry + friction_rate(environment, pressure, slip) * slip * slip;
+}
+
+TouchSlope touch_slope(const Environment& environment, const Touch& at, const Vector3<double>& v,
+                       bool in_contact, const Vector3<double>& dp, const Vector3<double>& dv) {
+  const double k = environment.stiffness, c = environment.damping;
+  const Vector3<double> dnormal =
+      std::visit([&](const auto& surface) { return normal_slope(surface, at, dp); }, environment.surface);
+  const double dgap = at.normal.dot(dp);
+  const double dentry = -dnormal.dot(v) - at.normal.dot(dv);
+  TouchSlope out;
+  if (!in_contact) {
+    if (at.gap < 0) out.lost_power = k * (dgap * at.entry + at.gap * dentry);
+    return out;
+  }
+  const double dpressure = c * dentry - k * dgap;
+  const Vector3<double> slip = slip_velocity(at, v);
+  const Vector3<double> dslip = dv + dentry * at.normal + at.entry * dnormal;
+  const double speed = slip.norm();
+  // rate = friction pressure g / v_s with g = tanh(x) / x, x = speed / v_s, and x g' = 1 - tanh^2 - g
+  const double x = speed / environment.v_s, step = std::tanh(x);
+  const double xg_slope = x > 0 ? 1 - step * step - step / x : 0.0;
+  const double rate = friction_rate(environment, at.pressure, speed);
+  double drate = friction_rate(environment, dpressure, speed);
+  if (x > 0)
+    drate +=
+        environment.friction * at.pressure / environment.v_s * xg_slope * ((slip / speed).dot(dslip) / speed);
+  out.force = dpressure * at.normal + at.pressure * dnormal - drate * slip - rate * dslip;
+  out.lost_power = 2 * c * at.entry * dentry + drate * speed * speed + 2 * rate * slip.dot(dslip);
+  return out;
 }
 
 }  // namespace osculate

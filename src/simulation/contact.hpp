@@ -57,4 +57,14 @@ double stored_energy(const Environment& environment, const Touch& at, bool in_co
 /// d(stored_energy)/dt + lost_power + wrench . velocity = 0. v: m/s, of the tip point, inertial frame.
 double lost_power(const Environment& environment, const Touch& at, const Vector3<double>& v, bool in_contact);
 
+/// The derivatives of a touch along a change of its point's position and velocity.
+struct TouchSlope {
+  Vector3<double> force = Vector3<double>::Zero();  // N, of the wrench; it has no moment
+  double lost_power = 0;                            // W
+};
+/// dp, dv: change of position and velocity of the tip point, whose touch is `at` and velocity v. In a fixed
+/// mode.
+TouchSlope touch_slope(const Environment& environment, const Touch& at, const Vector3<double>& v,
+                       bool in_contact, const Vector3<double>& dp, const Vector3<double>& dv);
+
 }  // namespace osculate

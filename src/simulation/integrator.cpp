@@ -127,6 +127,7 @@ void require(int flag, const char* call) {
 struct Integrator::Impl {
   RightSide f;
   Events events;
+  Jacobian slopes;
   Solver solver;
   bool runge_kutta;
   SUNContext context = nullptr;
@@ -137,6 +138,7 @@ struct Integrator::Impl {
   void* memory = nullptr;
   double t = 0;
   long evaluations = 0;
+  long jacobian_evaluations = 0;
   long finished_failures = 0;  // forgotten by the solver at a reset
   std::string message;         // last error message of the solver
 
@@ -203,6 +205,13 @@ struct Integrator::Impl {
     std::copy_n(y, self.known_y.size(), self.known_y.begin());
     std::copy_n(yd, self.known_f.size(), self.known_f.begin());
     return 0;
+  }
+
+  static int jacobian(sunrealtype t, N_Vector y, N_Vector, SUNMatrix out, void* self_pointer, N_Vector,
+                      N_Vector, N_Vector) {
+    auto& self = *static_cast<Impl*>(self_pointer);
+    ++self.jacobian_evaluations;
+    return self.guarded(t, [&] { self.slopes(t, N_VGetArrayPointer(y), SUNDenseMatrix_Data(out)); });
   }
 
   /// A zero counts to the side that the step started on, so that the state at an event lies past it: there
@@ -285,6 +294,7 @@ void Integrator::Impl::create_cvode(const IntegratorOptions& options, sunindexty
     matrix = SUNDenseMatrix(size, size, context);
     linear = SUNLinSol_Dense(y, matrix, context);
     require(CVodeSetLinearSolver(memory, linear, matrix), "CVodeSetLinearSolver");
+    if (slopes) require(CVodeSetJacFn(memory, jacobian), "CVodeSetJacFn");
   }
   const double fraction = options.nonlinear_fraction > 0 ? options.nonlinear_fraction
                           : adams                        ? adams_fraction
@@ -309,12 +319,14 @@ void Integrator::Impl::create_arkode() {
 }
 
 Integrator::Integrator(RightSide f, double t0, std::span<const double> y0, const IntegratorOptions& options,
-                       int event_count, Events events)
+                       int event_count, Events events, Jacobian jacobian)
     : impl_(std::make_unique<Impl>()) {
   Impl& s = *impl_;
   const auto size = static_cast<sunindextype>(y0.size());
   s.f = std::move(f);
   s.events = std::move(events);
+  if (options.method == Method::bdf && options.jacobian == JacobianBy::automatic)
+    s.slopes = std::move(jacobian);
   s.runge_kutta = options.method == Method::runge_kutta;
   s.solver = s.runge_kutta ? arkode : cvode;
   s.sides.resize(static_cast<std::size_t>(event_count));
@@ -414,6 +426,8 @@ void Integrator::interpolate(double time, int derivative, std::span<double> out)
 }
 
 long Integrator::rhs_evaluations() const { return impl_->evaluations; }
+
+long Integrator::jacobian_evaluations() const { return impl_->jacobian_evaluations; }
 
 long Integrator::error_test_failures() const { return impl_->failures(); }
 

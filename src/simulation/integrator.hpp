@@ -19,11 +19,18 @@ enum class Method {
   runge_kutta,  // ARKODE, Dormand and Prince's explicit 5(4); a restart costs one evaluation
 };
 
+/// Where Newton's iteration of bdf takes df/dy from.
+enum class JacobianBy {
+  automatic,    // the function given to the integrator, where there is one
+  differences,  // CVODE's difference quotient: one evaluation of f for each y_i
+};
+
 struct IntegratorOptions {
   Method method = Method::adams;
   double rtol = 1e-10;       // local error in each y_i, root mean square: |e_i| <= rtol |y_i| + atol_i
   std::vector<double> atol;  // one for each y_i, > 0
   double max_step = 0.1;     // s, > 0
+  JacobianBy jacobian = JacobianBy::automatic;
   // For studies of the method; 0 or -1 is what docs/work-precision.md found to be best.
   int max_order = 0;              // of adams (up to 12) and bdf (up to 5); 0: these limits
   double nonlinear_fraction = 0;  // of the tolerance, to which the corrector is solved; CVODE's default: 0.1
@@ -59,9 +66,12 @@ class Integrator {
   /// with the state just past it: there g has its new sign and is not zero. A function that is zero where a
   /// step starts is watched from where it leaves zero. What they throw has the effects of f throwing.
   using Events = std::function<void(double t, const double* y, double* g)>;
+  /// Writes columns[j size + i] = df_i/dy_j at (t, y). As f, what it throws included. Newton's iteration of
+  /// bdf needs it roughly: an error costs evaluations of f, not accuracy.
+  using Jacobian = std::function<void(double t, const double* y, double* columns)>;
 
   Integrator(RightSide f, double t0, std::span<const double> y0, const IntegratorOptions& options,
-             int event_count = 0, Events events = {});
+             int event_count = 0, Events events = {}, Jacobian jacobian = {});
   ~Integrator();
   Integrator(Integrator&&) noexcept;
 
@@ -80,6 +90,8 @@ class Integrator {
   void interpolate(double time, int derivative, std::span<double> out) const;
   /// Calls of f, those for a Jacobian or for interpolation too.
   long rhs_evaluations() const;
+  /// Calls of the Jacobian.
+  long jacobian_evaluations() const;
   long error_test_failures() const;
 
  private:

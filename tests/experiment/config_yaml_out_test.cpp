@@ -85,9 +85,10 @@ std::string words_of(const Experiment& e) {
   std::ostringstream out;
   out << e.name << '|' << e.model.urdf << '|' << e.model.choice.base << '|' << e.model.choice.tip << '|'
       << static_cast<int>(e.model.choice.side_branches) << static_cast<int>(e.controller.law)
-      << static_cast<int>(e.integrator.method) << static_cast<int>(e.verify.record) << e.verify.shadow
-      << static_cast<int>(e.plant.dynamics) << static_cast<int>(e.controller.textbook) << e.verify.poles
-      << e.controller.feedforward << static_cast<int>(e.controller.effort_limit) << e.plant.share_kinematics
+      << static_cast<int>(e.integrator.method) << static_cast<int>(e.integrator.jacobian)
+      << static_cast<int>(e.verify.record) << e.verify.shadow << static_cast<int>(e.plant.dynamics)
+      << static_cast<int>(e.controller.textbook) << e.verify.poles << e.controller.feedforward
+      << static_cast<int>(e.controller.effort_limit) << e.plant.share_kinematics
       << e.controller.compensate_friction << e.controller.compensate_tip_force
       << static_cast<int>(e.controller.orientation) << static_cast<int>(e.controller.position) << '|'
       << e.expect.stop << '|';
@@ -196,6 +197,7 @@ TEST_CASE("what to_yaml writes is read back bit for bit") {
   if (seed == 4) e.base_motion = LineOptions{Vector6::Constant(positive()), positive(), positive()};
   e.integrator = {
       seed % 2 == 0 ? Method::bdf : Method::runge_kutta, 1.0 / 3, positive(), positive(), positive(), 12345};
+  e.integrator.jacobian = seed % 2 == 0 ? JacobianBy::differences : JacobianBy::automatic;
   e.verify.every = 3;
   e.verify.record = seed % 2 == 0 ? VerifyConfig::Record::worst : VerifyConfig::Record::every;
   e.verify.record_every = seed % 2 == 0 ? 1 : 9;

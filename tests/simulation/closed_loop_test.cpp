@@ -1,12 +1,13 @@
-// A right-hand side takes no memory from the heap, whatever the law: this program counts every request, those
-// of Eigen (malloc) included; set-up and first evaluation are not counted. And what plant and controller
-// share.
+// A right-hand side or its Jacobian takes no memory from the heap, whatever the law: this program counts
+// every request, those of Eigen (malloc) included; set-up and first evaluation are not counted. And what
+// plant and controller share.
 #include "simulation/closed_loop.hpp"
 
 #include <cstdlib>
 #include <new>
 
 #include "control/quick_arm.hpp"
+#include "simulation/closed_loop_slopes.hpp"
 #include "support/catch.hpp"
 
 namespace {
@@ -46,7 +47,8 @@ struct Setting {
   std::vector<JointFriction> friction;
 };
 
-/// Requests during 300 right-hand sides and event functions at different states, after one of each.
+/// Requests during 300 right-hand sides, event functions and Jacobians at different states, after one of
+/// each.
 long requests_of(const Setting& setting, const QuickArm& arm) {
   const std::span<const double> q{arm.q.data(), static_cast<std::size_t>(arm.q.size())};
   const auto n = static_cast<std::size_t>(arm.chain.n());
@@ -55,6 +57,8 @@ long requests_of(const Setting& setting, const QuickArm& arm) {
                   setting.plant);
   std::vector<double> y(loop.states()), yd(loop.states());
   std::vector<double> g(static_cast<std::size_t>(loop.event_count()) + 1);
+  ClosedLoopSlopes slopes(loop);
+  std::vector<double> df(loop.states() * loop.states());
   long counted = 0;
   for (int i = 0; i <= 300; ++i) {
     for (std::size_t j = 0; j < n; ++j) {
@@ -64,6 +68,7 @@ long requests_of(const Setting& setting, const QuickArm& arm) {
     const long before = requests;
     loop.right_side(0.01 * i, y.data(), yd.data());
     loop.events(0.01 * i, y.data(), g.data());
+    if (ClosedLoopSlopes::exist(loop)) slopes(0.01 * i, y.data(), df.data());
     if (i > 0) counted += requests - before;
     CHECK(std::isfinite(yd[n]));
   }

@@ -1,0 +1,32 @@
+// The Jacobian df/dy of the closed loop by the chain rule: dual numbers through the sweeps of controller and
+// plant, closed forms for the law, friction and a surface. No differences.
+#pragma once
+
+#include <memory>
+
+#include "simulation/closed_loop.hpp"
+
+namespace osculate {
+
+/// df/dy of one closed loop, in its present modes. Its own workspace; no allocation after construction.
+class ClosedLoopSlopes {
+ public:
+  /// Whether `loop` has a Jacobian here: joints with one axis, the recursive plant, and a free swing or the
+  /// exact operational-space law at every instant, of any task rows, with rotation vector and Cartesian
+  /// position, singularity policy none, no obstacles, and in the null space damping and posture alone.
+  static bool exist(const ClosedLoop& loop);
+
+  /// `loop` must stay where it is while this object is asked.
+  explicit ClosedLoopSlopes(ClosedLoop& loop);
+  ~ClosedLoopSlopes();
+
+  /// columns[j states + i] = df_i/dy_j at (t, y). One right side, for the law's values, and (q, qd) four at a
+  /// time through the sweeps. Throws IntegrationStopped as right_side does.
+  void operator()(double t, const double* y, double* columns);
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;
+};
+
+}  // namespace osculate
