@@ -59,6 +59,7 @@ struct Setting {
   double fraction = 0;
   int remembered = -1;
   double atol = 1;  // position: times rtol, in rad; velocity: ten times that, in rad/s
+  JacobianBy jacobian = JacobianBy::automatic;
 };
 
 const Setting settings[] = {
@@ -69,6 +70,7 @@ const Setting settings[] = {
     {"adams, CVODE's own corrector", Method::adams, 0, 0.1, 0},
     {"adams, atol = rtol / 100", Method::adams, 0, 0, -1, 0.01},
     {"bdf", Method::bdf},
+    {"bdf, differences", Method::bdf, 0, 0, -1, 1, JacobianBy::differences},
     {"runge_kutta", Method::runge_kutta},
 };
 
@@ -91,6 +93,7 @@ class Bench {
   Run run(const Setting& setting, double rtol, Out out) {
     IntegratorOptions options = integrator_options(experiment_.integrator, loop_, 1);
     options.method = setting.method;
+    options.jacobian = setting.jacobian;
     options.max_order = setting.max_order;
     options.nonlinear_fraction = setting.fraction;
     options.remembered_iterates = setting.remembered;

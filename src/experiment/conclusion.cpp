@@ -177,7 +177,7 @@ std::string report(const Experiment& experiment, const RunResult& r) {
   add(out, "%ld steps, %ld right-hand sides, %.4g s simulated, %.0f times real time\n", r.steps,
       r.rhs_evaluations, r.end_time, r.times.simulation > 0 ? r.end_time / r.times.simulation : 0.0);
   if (experiment.integrator.method == Method::bdf)
-    add(out, "Jacobian of bdf: %s\n", r.automatic_jacobian ? "automatic" : "differences");
+    add(out, "Jacobian of bdf: %s\n", r.automatic_jacobian ? "in closed form" : "by differences");
   add(out, "wall time: simulation %.3f s, shadow run %.3f s, checking %.3f s, recording %.3f s\n",
       r.times.simulation, r.times.shadow, r.times.checking, r.times.recording);
   return out;

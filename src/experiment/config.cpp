@@ -63,8 +63,8 @@ IntegratorConfig read_integrator(const Setting& setting) {
                           {"max_step", "s", "longest step; 0: chosen by the program"},
                           {"max_steps", "", "a run that needs more stops early"},
                           {"jacobian", "",
-                           "of bdf: `automatic` (dual numbers; where arm or law have none, differences) or "
-                           "`differences`"}});
+                           "of bdf: `automatic` (in closed form, where arm and law have one, or else differences) "
+                           "or `differences`"}});
   IntegratorConfig out;
   read(map.at("method"), out.method,
        {{"adams", Method::adams}, {"bdf", Method::bdf}, {"runge_kutta", Method::runge_kutta}});

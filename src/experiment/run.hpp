@@ -49,7 +49,7 @@ struct RunResult {
   bool analytic = false;                             // whether that distance was measured
   double end_time = 0;                               // s, simulated
   long steps = 0, rhs_evaluations = 0;
-  bool automatic_jacobian = false;          // of bdf
+  bool automatic_jacobian = false;          // bdf had it in closed form
   long samples = 0, sweeps_per_sample = 0;  // of a sampled law: how often it acted, sweeps of the last time
   Measured measured;
   RunTimes times;

@@ -1,5 +1,4 @@
-// The Jacobian df/dy of the closed loop by the chain rule: dual numbers through the sweeps of controller and
-// plant, closed forms for the law, friction and a surface. No differences.
+// The Jacobian df/dy of the closed loop in closed form, by the chain rule: arm, law, friction, surface.
 #pragma once
 
 #include <memory>
@@ -20,8 +19,8 @@ class ClosedLoopSlopes {
   explicit ClosedLoopSlopes(ClosedLoop& loop);
   ~ClosedLoopSlopes();
 
-  /// columns[j states + i] = df_i/dy_j at (t, y). One right side, for the law's values, and (q, qd) four at a
-  /// time through the sweeps. Throws IntegrationStopped as right_side does.
+  /// columns[j states + i] = df_i/dy_j at (t, y). Evaluates the right side once, for its values, and throws
+  /// IntegrationStopped as that does. O(n^3).
   void operator()(double t, const double* y, double* columns);
 
  private:
