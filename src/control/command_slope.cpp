@@ -26,8 +26,7 @@ CommandSlope::CommandSlope(const LawOptions& law, const Command& command, const 
       error_turn_(command.error.e.head<3>()),
       e_(command.error.e.head<3>()),
       ed_(command.error.ed.head<3>()),
-      omega_(command.tip_velocity.head<3>()),
-      turned_(E_ * omega_),
+      turned_(E_ * command.tip_velocity.head<3>()),
       f_(rotation_coefficients(e_.squaredNorm())) {
   const double s = e_.squaredNorm();
   b_second_ = s > 0 ? ((f_.c - f_.b) / 4 - 2 * f_.b_slope) / s : 1 / 360.0;
@@ -62,9 +61,9 @@ Vector6 CommandSlope::along(const TipChange& tip) const {
   const Vector3<double> ed = J.left_jacobian_inverse(-turned - J.left_jacobian_rate(e, ed_));
 
   Vector6 edd;  // rows 3..5: the error is p_ref - p
-  edd << -law_.damping.head<3>().cwiseProduct(ed) - law_.stiffness.head<3>().cwiseProduct(e),
-      law_.damping.tail<3>().cwiseProduct(tip.velocity.tail<3>()) +
-          law_.stiffness.tail<3>().cwiseProduct(tip.pose.tail<3>());
+  edd.head<3>() = -law_.damping.head<3>().cwiseProduct(ed) - law_.stiffness.head<3>().cwiseProduct(e);
+  edd.tail<3>() = law_.damping.tail<3>().cwiseProduct(tip.velocity.tail<3>()) +
+                  law_.stiffness.tail<3>().cwiseProduct(tip.pose.tail<3>());
   if (law_.virtual_inertia) edd -= tip.force.cwiseQuotient(*law_.virtual_inertia);
 
   const Vector3<double> deltad = J.left_jacobian(edd.head<3>()) + J.left_jacobian_rate(e, edd_) +
@@ -72,7 +71,8 @@ Vector6 CommandSlope::along(const TipChange& tip) const {
                                  bent_jacobian(e, ed_, ed_);
   const Vector3<double> turning = turned.cross(turned_) - delta_.cross(turned) - deltad;
   Vector6 u;
-  u << E_.transpose() * (turning - eps.cross(turning_)), -edd.tail<3>();
+  u.head<3>() = E_.transpose() * (turning - eps.cross(turning_));
+  u.tail<3>() = -edd.tail<3>();
   if (law_.force)
     for (const int row : law_.force->rows)
       u[row] = tip.force[row] / law_.force->inertia - law_.force->damping * tip.velocity[row];

@@ -31,8 +31,8 @@ class CommandSlope {
   Matrix3<double> E_;             // R_ref R^T
   RotationVector error_turn_;     // e_R
   Vector3<double> e_, ed_, edd_;  // e_R, its rate and the second derivative that the gains ask for
-  Vector3<double> omega_, turned_, delta_, turning_;  // omega, E omega, angular velocity of E, E u
-  double b_second_, c_second_;                        // second derivatives of the coefficients of J_l
+  Vector3<double> turned_, delta_, turning_;  // E omega, angular velocity of E, E u
+  double b_second_, c_second_;                // second derivatives of the coefficients of J_l
   RotationCoefficients f_;
 
   /// The second derivative of J_l(e_R) along x and y, applied to z.

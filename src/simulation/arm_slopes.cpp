@@ -1,5 +1,7 @@
 #include "simulation/arm_slopes.hpp"
 
+#include "control/rotation.hpp"
+
 namespace osculate {
 
 // All motions and forces are about the present tip point, a point at rest. Links and joints 1 .. n count from
@@ -18,10 +20,10 @@ namespace osculate {
 // and since d V_i/dqd_j = s_j, d A_i/dqd_j = s_j x V_i + 2 w_j
 //   d f_i/dqd_j = B_i s_j + 2 I_i w_j.
 // I and B are summed from the tip. In T_k = s_k . F_k for k >= j the turn of s_k takes away s_j x* F_k.
+// Carpentier and Mansard (2018) have the same derivatives.
 
 namespace {
 
-using Vector6 = ArmSlopes::Vector6;
 using Matrix6 = ArmSlopes::Matrix6;
 using Three = Vector3<double>;
 
@@ -29,7 +31,7 @@ Three eigen(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
 
 Vector6 joined(const Three& angular, const Three& linear) {
   Vector6 out;
-  out << angular, linear;
+  out.head<3>() = angular, out.tail<3>() = linear;
   return out;
 }
 
@@ -44,23 +46,18 @@ Vector6 cross_force(const Vector6& x, const Vector6& f) {
   return joined(w.cross(n) + v.cross(l), w.cross(l));
 }
 
-Matrix3<double> tilde(const Three& a) {
-  Matrix3<double> out;
-  out << 0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0;
+/// cross(x, y) = motion_matrix(x) y; cross_force(x, f) = - motion_matrix(x)^T f.
+Matrix6 motion_matrix(const Vector6& x) {
+  Matrix6 out = Matrix6::Zero();
+  out.topLeftCorner<3, 3>() = out.bottomRightCorner<3, 3>() = cross_matrix(x.head<3>());
+  out.bottomLeftCorner<3, 3>() = cross_matrix(x.tail<3>());
   return out;
 }
-/// cross(x, y) = motion_tilde(x) y; cross_force(x, f) = - motion_tilde(x)^T f.
-Matrix6 motion_tilde(const Vector6& x) {
+/// cross_force(x, f) = force_matrix(f) x.
+Matrix6 force_matrix(const Vector6& f) {
   Matrix6 out = Matrix6::Zero();
-  out.topLeftCorner<3, 3>() = out.bottomRightCorner<3, 3>() = tilde(x.head<3>());
-  out.bottomLeftCorner<3, 3>() = tilde(x.tail<3>());
-  return out;
-}
-/// cross_force(x, f) = force_tilde(f) x.
-Matrix6 force_tilde(const Vector6& f) {
-  Matrix6 out = Matrix6::Zero();
-  out.topLeftCorner<3, 3>() = -tilde(f.head<3>());
-  out.topRightCorner<3, 3>() = out.bottomLeftCorner<3, 3>() = -tilde(f.tail<3>());
+  out.topLeftCorner<3, 3>() = -cross_matrix(f.head<3>());
+  out.topRightCorner<3, 3>() = out.bottomLeftCorner<3, 3>() = -cross_matrix(f.tail<3>());
   return out;
 }
 
@@ -72,8 +69,10 @@ Matrix6 inertia_about(const RigidInertia<double>& M, const Three& r) {
     for (int j = 0; j < 3; ++j) I(i, j) = entry(M.I, std::min(i, j), std::max(i, j));
   const Three moved = mp + M.m * r;
   Matrix6 out;
-  out << I - tilde(mp) * tilde(r) - tilde(r) * tilde(moved), tilde(moved), -tilde(moved),
-      M.m * Matrix3<double>::Identity();
+  out.topLeftCorner<3, 3>() = I - cross_matrix(mp) * cross_matrix(r) - cross_matrix(r) * cross_matrix(moved);
+  out.topRightCorner<3, 3>() = cross_matrix(moved);
+  out.bottomLeftCorner<3, 3>() = -cross_matrix(moved);
+  out.bottomRightCorner<3, 3>() = M.m * Matrix3<double>::Identity();
   return out;
 }
 
@@ -119,9 +118,9 @@ void ArmSlopes::look(const std::vector<JointPosition<double>>& joints, std::span
     const Matrix6& own = inertia_[static_cast<std::size_t>(j)];
     const Vector6 Vj = V_.col(j), s = J.col(j), w = w_.col(j), y = y_.col(j);
     const Vector6 momentum = own * Vj;
-    const Matrix6 V_tilde = motion_tilde(Vj);
+    const Matrix6 V_matrix = motion_matrix(Vj);
     I += own;
-    B += force_tilde(momentum) - own * V_tilde - V_tilde.transpose() * own;
+    B += force_matrix(momentum) - own * V_matrix - V_matrix.transpose() * own;
     F += own * A_.col(j) + cross_force(Vj, momentum);
 
     const Vector6 Is = I * s, Bs = B.transpose() * s;  // row j, columns up to j

@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "control/reference.hpp"
 #include "recursion/arm.hpp"
 
 namespace osculate {
@@ -13,24 +14,23 @@ namespace osculate {
 /// construction.
 class ArmSlopes {
  public:
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   using Columns = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
   explicit ArmSlopes(const Chain<double>& chain);
 
-  /// Everything below but torque_of, at this configuration, these rates and accelerations. T = M qdd + h is
-  /// the torque that gives them.
+  /// Sets everything below, at this configuration, these rates and accelerations. T = M qdd + h is the torque
+  /// that gives them, with nothing at the tip.
   void look(const std::vector<JointPosition<double>>& joints, std::span<const double> qd,
             std::span<const double> qdd, const BaseMotion<double>& base);
 
   Vector3<double> tip_position;  // m
-  Vector6 tip_velocity;
-  MatrixX<double> M;          // kg m^2, kg: mass matrix, armature included
-  MatrixX<double> T_q, T_qd;  // dT/dq and dT/dqd at fixed qdd
-  Columns J;                  // tip velocity for unit rates, and change of the tip's pose with q
-  Columns V_q;                // of the tip's velocity with q
-  Columns A_q, A_qd;          // of the tip's ordinary acceleration, at fixed qdd
+  Vector6 tip_velocity;          // rad/s, m/s
+  MatrixX<double> M;             // kg m^2, kg: mass matrix, armature included
+  MatrixX<double> T_q, T_qd;     // dT/dq and dT/dqd at fixed qdd
+  Columns J;                     // tip velocity for unit rates, and change of the tip's pose with q
+  Columns V_q;                   // of the tip's velocity with q
+  Columns A_q, A_qd;             // of the tip's ordinary acceleration, at fixed qdd
 
   /// out += d(J* F)/dq for a wrench F on the tip, fixed in inertial axes, after look().
   void add_wrench_slopes(const Vector6& F, Eigen::Ref<MatrixX<double>> out) const;
@@ -39,7 +39,7 @@ class ArmSlopes {
   BasicArmBuilder<Hinge<double>> builder_;
   Arm<double> arm_;
   Columns V_, A_, w_, y_;         // of each link; w = V x s, y = A x s + V x w
-  std::vector<Matrix6> inertia_;  // of each link, then of all from it to the tip
+  std::vector<Matrix6> inertia_;  // of each link
 };
 
 }  // namespace osculate

@@ -15,7 +15,7 @@ class ClosedLoopSlopes {
   /// position, singularity policy none, no obstacles, and in the null space damping and posture alone.
   static bool exist(const ClosedLoop& loop);
 
-  /// `loop` must stay where it is while this object is asked.
+  /// `loop` has a Jacobian, and must stay where it is while this object is asked.
   explicit ClosedLoopSlopes(ClosedLoop& loop);
   ~ClosedLoopSlopes();
 

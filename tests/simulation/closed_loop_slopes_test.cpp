@@ -152,7 +152,8 @@ TEST_CASE("the Jacobian is the derivative of the right side") {
     check(s, arm);
   }
   SECTION("moving base") {
-    s.law.base_path = make_path(CircleOptions{.radius = 0.2});
+    s.law.base_path = make_path(
+        LissajousOptions{.amplitude = Vector6::Constant(0.3), .phase = Vector6::Constant(0.5)});
     check(s, arm);
   }
   SECTION("impedance at a ball that the law feels, in contact and not") {
