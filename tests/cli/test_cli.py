@@ -75,6 +75,13 @@ class ExitCodes(InFolder):
             self.assertEqual(f.attrs["status"], "failed")
             self.assertEqual(len(f["step_time"]), 50)
 
+    def test_a_run_by_bdf_says_where_its_jacobian_comes_from(self):
+        mobile = CIRCLE.parent / "mobile_arm_lissajous.yaml"  # its base is a joint with several axes
+        for file, settings, jacobian in ((CIRCLE, [], "in closed form"), (mobile, [], "by differences"),
+                                         (CIRCLE, ["--set", "integrator.jacobian=differences"], "by differences")):
+            done = call("verify", file, "--set", "integrator.method=bdf", "--set", "duration=0.1", *settings)
+            self.assertIn(f"Jacobian of bdf: {jacobian}\n", done.stdout)
+
     def test_output_failures_are_4(self):
         out = self.folder / "a.h5"
         out.write_text("precious")
