@@ -152,8 +152,9 @@ TEST_CASE("the Jacobian is the derivative of the right side") {
     check(s, arm);
   }
   SECTION("moving base") {
-    s.law.base_path = make_path(
-        LissajousOptions{.amplitude = Vector6::Constant(0.3), .phase = Vector6::Constant(0.5)});
+    Vector6 amplitude;  // turning and sliding along different axes
+    amplitude << 0.3, 0.1, -0.2, 0.1, 0.3, 0.2;
+    s.law.base_path = make_path(LissajousOptions{.amplitude = amplitude, .phase = Vector6::Constant(0.5)});
     check(s, arm);
   }
   SECTION("impedance at a ball that the law feels, in contact and not") {
