@@ -53,18 +53,19 @@ void read_initial(const Setting& setting, Experiment& out) {
 }
 
 IntegratorConfig read_integrator(const Setting& setting) {
-  const Map map(setting, {{"method", "",
-                           "`adams` (fixed point), `bdf` (Newton; for stiff runs) or `runge_kutta` "
-                           "(explicit; for runs with many samples or "
-                           "contacts)"},
-                          {"rtol", "", "relative local error, 1e-14 <= rtol < 1"},
-                          {"atol", "rad, m; per s",
-                           "absolute local error, > 0: a number, or {position: x, velocity: y}", "1e-12"},
-                          {"max_step", "s", "longest step; 0: chosen by the program"},
-                          {"max_steps", "", "a run that needs more stops early"},
-                          {"jacobian", "",
-                           "of bdf: `automatic` (in closed form, where arm and law have one, or else differences) "
-                           "or `differences`"}});
+  const Map map(setting,
+                {{"method", "",
+                  "`adams` (fixed point), `bdf` (Newton; for stiff runs) or `runge_kutta` "
+                  "(explicit; for runs with many samples or "
+                  "contacts)"},
+                 {"rtol", "", "relative local error, 1e-14 <= rtol < 1"},
+                 {"atol", "rad, m; per s",
+                  "absolute local error, > 0: a number, or {position: x, velocity: y}", "1e-12"},
+                 {"max_step", "s", "longest step; 0: chosen by the program"},
+                 {"max_steps", "", "a run that needs more stops early"},
+                 {"jacobian", "",
+                  "of bdf: `automatic` (in closed form, where arm and law have one, or else differences) "
+                  "or `differences`"}});
   IntegratorConfig out;
   read(map.at("method"), out.method,
        {{"adams", Method::adams}, {"bdf", Method::bdf}, {"runge_kutta", Method::runge_kutta}});
