@@ -120,7 +120,8 @@ template <Field S>
 class TaskFactor {
  public:
   /// Factors the chosen rows and columns of Omega.
-  TaskFactor(const Compliance<S>& Omega, std::span<const int> rows) : m_(static_cast<int>(rows.size())) {
+  OSCULATE_INLINE TaskFactor(const Compliance<S>& Omega, std::span<const int> rows)
+      : m_(static_cast<int>(rows.size())) {
     if (are_all_rows(rows))
       factor(Omega);
     else
@@ -137,7 +138,7 @@ class TaskFactor {
 
   /// The wrench F on the task rows, none elsewhere, with S Omega F = S right.
   Vec<Force, S> solve(const Vec<Motion, S>& right) const {
-    return m_ == 6 ? solved(right) : wrench(solve(restricted(right, rows())), rows());
+    return m_ == 6 ? solved(right) : solved_chosen(right);
   }
   /// Omega^-1 right. Entries of `right` from size() on must be zero.
   TaskVector<S> solve(const TaskVector<S>& right) const {
@@ -188,7 +189,10 @@ class TaskFactor {
     return {{a, b, c}, linear};
   }
 
-  // Apart, so that the usual case stays small enough to be inlined.
+  // These two apart, so that the usual case stays small enough to be inlined.
+  [[gnu::noinline]] Vec<Force, S> solved_chosen(const Vec<Motion, S>& right) const {
+    return wrench(solve(restricted(right, rows())), rows());
+  }
   [[gnu::noinline]] void factor_chosen(const Compliance<S>& Omega, std::span<const int> rows) {
     std::copy(rows.begin(), rows.end(), rows_.begin());
     Square A{};

@@ -1,13 +1,14 @@
 // What a joint with one axis does to spatial vectors: H, D, G, K. Joints with more axes: joint.hpp.
 #pragma once
 
+#include "scalar/inlined.hpp"
 #include "spatial/psi.hpp"
 
 namespace osculate {
 
 /// Which half of a spatial vector a joint moves: a revolute joint the angular one, a prismatic joint the
-/// linear one.
-enum class HingeKind { revolute, prismatic };
+/// linear one. Where a link has no joint, none.
+enum class HingeKind { revolute, prismatic, none };
 
 template <Field S>
 struct HingeInertia;
@@ -26,7 +27,7 @@ struct Hinge {
   using JointInertia = HingeInertia<S>;
   using JointMobility = HingeMobility<S>;
   using Gain = HingeGain<S>;
-  HingeKind kind = HingeKind::revolute;
+  HingeKind kind = HingeKind::none;
   Vec3<S> h;  // unit vector along the axis
   constexpr bool turns() const { return kind == HingeKind::revolute; }
   constexpr Star<Hinge> T() const { return {*this}; }
@@ -135,16 +136,17 @@ struct HingeGain {
   HingeInertia<S> D{};
   constexpr Star<HingeGain> T() const { return {*this}; }
 };
-/// Doubles have P H* still in registers where it is wanted again.
-template <>
-struct HingeGain<double> {
-  Vec<Force, double> column;
-  HingeInertia<double> D{};
+/// Numbers that live in registers still have P H* there where it is wanted again.
+template <Field S>
+requires in_register<S>
+struct HingeGain<S> {
+  Vec<Force, S> column;
+  HingeInertia<S> D{};
   constexpr Star<HingeGain> T() const { return {*this}; }
 };
 template <Field S>
 constexpr HingeGain<S> operator*(const InertiaTimesHinge<S>& PH, const HingeMobility<S>& Dinv) {
-  if constexpr (std::same_as<S, double>)
+  if constexpr (in_register<S>)
     return {PH.column * Dinv.d};
   else
     return {PH.column * Dinv.d, PH.column};
@@ -201,12 +203,11 @@ constexpr Compliance<S> operator*(const HingeCompliance<S, Phi>& HD, const Hinge
 template <Field S, ShiftMap Phi>
 constexpr Inertia<S> stripped(const Inertia<S>& P, const HingeGain<S>& G, const Hinge<S, Phi>& H) {
   Vec<Force, S> PH;
-  if constexpr (std::same_as<S, double>)
+  if constexpr (in_register<S>)
     PH = (P * H.T()).column;
   else
     PH = G.PH;
-  return less_outer(less_outer(P, G.column, seeded(Fault::strip_inertia, PH)), PH - G.column * G.D.d,
-                    G.column);
+  return less_outers(P, G.column, seeded(Fault::strip_inertia, PH), PH - G.column * G.D.d, G.column);
 }
 /// (1 - G H)* X (1 - G H) = X - H* y* - y H + (G* y) H* H, with y = X G.
 template <Field S, ShiftMap Phi>

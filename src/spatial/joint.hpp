@@ -154,11 +154,11 @@ struct Joint {
   bool second_turns = false; /* universal joint: the second axis turns with the first */
   constexpr Star<Joint> T() const { return {*this}; }
 };
-/// Nothing to know beforehand.
+/// Nothing to know beforehand but that there is a joint.
 struct UnknownKind {
   template <class H>
-  constexpr bool holds(const H&) const {
-    return true;
+  constexpr bool holds(const H& joint) const {
+    return joint.axes.m > 0;
   }
   template <class H>
   constexpr const H& operator()(const H& joint) const {

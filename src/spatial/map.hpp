@@ -66,6 +66,11 @@ template <Field S>
 constexpr Vec<Motion, S> operator*(const Star<Shift<S>>& phi, const Vec<Motion, S>& V) {
   return {V.ang, plus_cross(V.lin, V.ang, seeded(Fault::shift_motion, phi.map.l))};
 }
+/// phi* V, where w x l is wanted by itself too: as a sum, so that the product is there once.
+template <Field S>
+constexpr Vec<Motion, S> star_as_sum(const Shift<S>& phi, const Vec<Motion, S>& V) {
+  return {V.ang, V.lin + cross(V.ang, seeded(Fault::shift_motion, phi.l))};
+}
 
 /// phi(k+1,k) between link frames: the vectors of link k are resolved in its own axes, which R turns into
 /// those of link k+1.
@@ -85,6 +90,10 @@ constexpr Vec<Motion, S> operator*(const Star<TurnedShift<S>>& phi, const Vec<Mo
   const Shift<S> shift{l};
   const Vec<Motion, S> moved = shift.T() * V;
   return {transposed_times(R, moved.ang), seeded(Fault::frame_motion, transposed_times(R, moved.lin))};
+}
+template <Field S>
+constexpr Vec<Motion, S> star_as_sum(const TurnedShift<S>& phi, const Vec<Motion, S>& V) {
+  return phi.T() * V;
 }
 /// A vector of link k+1 in the axes that link k uses.
 template <Field S>
@@ -141,6 +150,14 @@ template <class To, Field S>
 constexpr Symmetric<To, S> less_outer(const Symmetric<To, S>& P, const Vec<To, S>& a, const Vec<To, S>& b) {
   return {P.J - symmetric_outer(a.ang, b.ang), P.B - outer(a.ang, b.lin),
           P.A - symmetric_outer(a.lin, b.lin)};
+}
+/// P - (a b^T + c d^T) where that is symmetric by construction
+template <class To, Field S>
+constexpr Symmetric<To, S> less_outers(const Symmetric<To, S>& P, const Vec<To, S>& a, const Vec<To, S>& b,
+                                       const Vec<To, S>& c, const Vec<To, S>& d) {
+  const Sym3<S> A = less_outers(P.A, a.lin, b.lin, c.lin, d.lin);
+  const Mat3<S> B = less_outers(P.B, a.ang, b.lin, c.ang, d.lin);
+  return {less_outers(P.J, a.ang, b.ang, c.ang, d.ang), B, A};
 }
 /// s a a^T
 template <class To, Field S>

@@ -50,5 +50,15 @@ OSCULATE_INLINE TipMobility<double> plus_outer(const TipMobility<double>& sum, c
           sum.corner + __builtin_shufflevector(a.last, a.last, 0, 0, 1, 1) *
                            __builtin_shufflevector(b.last, b.last, 0, 1, 0, 1)};
 }
+OSCULATE_INLINE Compliance<double> compliance_of(const TipMobility<double>& a) {
+  using avx::three_lanes;
+  // Columns 0 to 2 of rows 3 to 5 are the columns of B.
+  const avx::Rows B{three_lanes(a.left[3]), three_lanes(a.left[4]), three_lanes(a.left[5])};
+  const auto [x, y, z] = avx::transposed(B);
+  const avx::V first{a.left[3][3], a.left[4][3], a.left[5][3]};
+  const avx::Y A{first, {a.left[4][3], a.corner[0], a.corner[1]}, {a.left[5][3], a.corner[2], a.corner[3]}};
+  return {
+      {three_lanes(a.left[0]), three_lanes(a.left[1]), three_lanes(a.left[2])}, {x, y, z, B.x, B.y, B.z}, A};
+}
 
 }  // namespace osculate

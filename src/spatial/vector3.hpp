@@ -3,6 +3,7 @@
 // vector3_packet.hpp has constants for packets.
 #pragma once
 
+#include <array>
 #include <utility>
 
 #include "scalar/fault.hpp"
@@ -142,6 +143,12 @@ constexpr Sym3<S> less_outers(const Sym3<S>& A, const Vec3<S>& a, const Vec3<S>&
   return {A.xx - a.x * b.x - c.x * d.x, A.xy - a.x * b.y - c.x * d.y, A.xz - a.x * b.z - c.x * d.z,
           A.yy - a.y * b.y - c.y * d.y, A.yz - a.y * b.z - c.y * d.z, A.zz - a.z * b.z - c.z * d.z};
 }
+/// A - (a b^T + c d^T)
+template <Field S>
+constexpr Mat3<S> less_outers(const Mat3<S>& A, const Vec3<S>& a, const Vec3<S>& b, const Vec3<S>& c,
+                              const Vec3<S>& d) {
+  return A - outer(a, b) - outer(c, d);
+}
 /// a a^T
 template <Field S>
 constexpr Sym3<S> square(const Vec3<S>& a) {
@@ -272,6 +279,11 @@ struct SymmetricCoefficients {
 template <Field S>
 constexpr Vec3<S> operator*(const Axes<S>& e, const Coefficients<S>& v) {
   return e.x * v.x + e.y * v.y + e.z * v.z;
+}
+/// The axes with the components R along e.
+template <Field S>
+constexpr Axes<S> operator*(const Axes<S>& e, const std::array<Coefficients<S>, 3>& R) {
+  return {e * R[0], e * R[1], e * R[2]};
 }
 template <Field S>
 constexpr Vec3<S> operator*(const Axes<S>& e, const Vec3<S>& v) {

@@ -19,6 +19,9 @@ OSCULATE_INLINE Lanes spread(Lanes v) {
   return __builtin_shufflevector(v, v, i, i, i, i);
 }
 OSCULATE_INLINE Lanes spread(double s) { return Lanes{s, s, s, s}; }
+/// The first three lanes, and zero. By a mask: of the instructions that do it there is one that valgrind does
+/// not know.
+OSCULATE_INLINE Lanes three_lanes(Lanes v) { return (Lanes)((Words)v & Words{-1, -1, -1, 0}); }
 /// (y, z, x)
 OSCULATE_INLINE Lanes rotated(Lanes v) { return __builtin_shufflevector(v, v, 1, 2, 0, 3); }
 /// (z, x, y)
@@ -34,9 +37,7 @@ struct Vec3<double> {
   };
   OSCULATE_INLINE Vec3() : v{} {}
   OSCULATE_INLINE Vec3(avx::Lanes lanes) : v(lanes) {}
-  // By a mask: of the instructions for {.., z0, 0} there is one that valgrind does not know.
-  OSCULATE_INLINE Vec3(double x0, double y0, double z0)
-      : v((avx::Lanes)((avx::Words)avx::Lanes{x0, y0, z0, z0} & avx::Words{-1, -1, -1, 0})) {}
+  OSCULATE_INLINE Vec3(double x0, double y0, double z0) : v(avx::three_lanes(avx::Lanes{x0, y0, z0, z0})) {}
   // Written out, so that a copy is one register and not its members.
   OSCULATE_INLINE Vec3(const Vec3& o) : v(o.v) {}
   OSCULATE_INLINE Vec3& operator=(const Vec3& o) {
@@ -183,6 +184,10 @@ OSCULATE_INLINE avx::Y less_outers(const avx::Y& A, const avx::V& a, const avx::
           A.y.v - b.v * spread<1>(a.v) - d.v * spread<1>(c.v),
           A.z.v - b.v * spread<2>(a.v) - d.v * spread<2>(c.v)};
 }
+OSCULATE_INLINE avx::M less_outers(const avx::M& A, const avx::V& a, const avx::V& b, const avx::V& c,
+                                   const avx::V& d) {
+  return A - outer(a, b) - outer(c, d);
+}
 OSCULATE_INLINE avx::Y square(const avx::V& a) { return symmetric_outer(a, a); }
 OSCULATE_INLINE avx::Y twice_outer(const avx::V& a, const avx::V& b) {
   return symmetric_outer(a, b) + symmetric_outer(b, a);
@@ -268,6 +273,11 @@ OSCULATE_INLINE avx::V transposed_product_sum(const avx::Y& A, const avx::V& a, 
 }
 OSCULATE_INLINE double entry(const avx::Y& a, int i, int j) {
   return i == 0 ? a.x.v[j] : i == 1 ? a.y.v[j] : a.z.v[j];
+}
+
+OSCULATE_INLINE avx::M matrix_of(const Axes<double>& e) {
+  const auto [x, y, z] = avx::transposed({e.x, e.y, e.z});
+  return {x, y, z, e.x, e.y, e.z};
 }
 
 /// Constants that multiply vectors, each in every lane.
