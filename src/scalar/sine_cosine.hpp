@@ -37,7 +37,8 @@ namespace sine_cosine_detail {
 template <int N>
 struct Constants {
   typename LanesOf<N>::Numbers two_over_pi, shifter, part1, part2, part3;
-  typename LanesOf<N>::Numbers S1, S2, S3, S4, S5, S6, C1, C2, C3, C4, C5, C6, one, half;
+  typename LanesOf<N>::Numbers S1, S2, S3, S4, S5, S6, C1, C2, C3, C4, C5, C6, one, half, largest;
+  typename LanesOf<N>::Words sign;  // the sign bit
 };
 template <int N>
 inline constexpr Constants<N> constants = [] {
@@ -54,7 +55,8 @@ inline constexpr Constants<N> constants = [] {
   k.C1 = all(4.16666666666666019037e-02), k.C2 = all(-1.38888888888741095749e-03);
   k.C3 = all(2.48015872894767294178e-05), k.C4 = all(-2.75573143513906633035e-07);
   k.C5 = all(2.08757232129817482790e-09), k.C6 = all(-1.13596475577881948265e-11);
-  k.one = all(1), k.half = all(0.5);
+  k.one = all(1), k.half = all(0.5), k.largest = all(largest_vector_angle);
+  k.sign = typename LanesOf<N>::Words{} + INT64_MIN;
   return k;
 }();
 
@@ -105,9 +107,8 @@ OSCULATE_INLINE void of_lanes(const Constants<N>& k, const typename LanesOf<N>::
   std::memcpy(&sine_bits, &sine_r, sizeof sine_bits);
   std::memcpy(&cosine_bits, &cosine_r, sizeof cosine_bits);
   const Words difference = (sine_bits ^ cosine_bits) & exchanged;
-  constexpr std::int64_t sign = INT64_MIN;
-  sine_bits ^= difference ^ ((turns << 62) & sign);
-  cosine_bits ^= difference ^ (((turns + 1) << 62) & sign);
+  sine_bits ^= difference ^ ((turns << 62) & k.sign);
+  cosine_bits ^= difference ^ (((turns + 1) << 62) & k.sign);
   std::memcpy(&sine, &sine_bits, sizeof sine);
   std::memcpy(&cosine, &cosine_bits, sizeof cosine);
 }
@@ -122,27 +123,35 @@ OSCULATE_INLINE void of_lanes(const Constants<N>& k, const typename LanesOf<N>::
 
 /// -1 in every lane whose angle of_lanes can take.
 template <int N>
-OSCULATE_INLINE void mark_ordinary(const typename LanesOf<N>::Numbers& angle,
+OSCULATE_INLINE void mark_ordinary(const Constants<N>& k, const typename LanesOf<N>::Numbers& angle,
                                    typename LanesOf<N>::Words& ordinary) {
-  ordinary &= (angle <= largest_vector_angle) & (angle >= -largest_vector_angle);
+  const auto size = (typename LanesOf<N>::Numbers)((typename LanesOf<N>::Words)angle & ~k.sign);
+  ordinary &= size <= k.largest;
 }
 template <int N>
 OSCULATE_INLINE bool every_lane(const typename LanesOf<N>::Words& words) {
+#ifdef __AVX__
+  if constexpr (N == 4) return __builtin_ia32_movmskpd256((LanesOf<4>::Numbers)words) == 15;
+#endif
   std::int64_t all = -1;
   for (int i = 0; i < N; ++i) all &= words[i];
   return all != 0;
 }
 
+template <int width>
+void of_array(const double* angle, double* sine, double* cosine, std::size_t count);
+/// Of fewer angles than a register holds.
+template <int width>
+[[gnu::noinline]] void of_few(const double* angle, double* sine, double* cosine, std::size_t count) {
+  std::array<double, width> few{}, few_sines, few_cosines;
+  for (std::size_t i = 0; i < count; ++i) few[i] = angle[i];
+  of_array<width>(few.data(), few_sines.data(), few_cosines.data(), width);
+  for (std::size_t i = 0; i < count; ++i) sine[i] = few_sines[i], cosine[i] = few_cosines[i];
+}
 /// sine_cosine with registers of `width` lanes.
 template <int width>
 void of_array(const double* angle, double* sine, double* cosine, std::size_t count) {
-  if (count < width) {
-    std::array<double, width> few{}, few_sines, few_cosines;
-    for (std::size_t i = 0; i < count; ++i) few[i] = angle[i];
-    of_array<width>(few.data(), few_sines.data(), few_cosines.data(), width);
-    for (std::size_t i = 0; i < count; ++i) sine[i] = few_sines[i], cosine[i] = few_cosines[i];
-    return;
-  }
+  if (count < width) return of_few<width>(angle, sine, cosine, count);
   const Constants<width>& k = constants_in_memory<width>();
   typename LanesOf<width>::Numbers x, s, c;
   typename LanesOf<width>::Words ordinary = {};
@@ -151,12 +160,12 @@ void of_array(const double* angle, double* sine, double* cosine, std::size_t cou
     // The last register goes back as far as it must to be full: some angles are then done twice, alike.
     const std::size_t at = done + width <= count ? done : count - width;
     std::memcpy(&x, angle + at, sizeof x);
-    mark_ordinary<width>(x, ordinary);
+    mark_ordinary<width>(k, x, ordinary);
     of_lanes<width>(k, x, s, c);
     std::memcpy(sine + at, &s, sizeof s);
     std::memcpy(cosine + at, &c, sizeof c);
   }
-  if (!every_lane<width>(ordinary)) by_library(angle, sine, cosine, count);
+  if (!every_lane<width>(ordinary)) return by_library(angle, sine, cosine, count);
 }
 
 }  // namespace sine_cosine_detail
