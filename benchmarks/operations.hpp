@@ -92,7 +92,7 @@ inline std::vector<Cost> sweep_costs(const Sample& at) {
   const JointOrder order(at.chain);
   const JointList<H> rates{order, span_of(at.qd)};
   const Ground<Counted> ground = builder.ground();
-  BasicArm<H> arm;
+  BasicArm<H> arm = builder.arm();
   Passes<H> x(at.chain.n());
   const Vec<Motion, Counted> right{{at.u[0], at.u[1], at.u[2]}, {at.u[3], at.u[4], at.u[5]}};
   Vec<Force, Counted> F;

@@ -159,7 +159,7 @@ void fill_links(const Question<S>& ask, Swept<S>& out) {
   const BasicArmBuilder<H> builder(ask.chain);
   const JointOrder order(ask.chain);
   const Ground<S> ground = builder.ground();
-  BasicArm<H> arm;
+  BasicArm<H> arm = builder.arm();
   builder.place(ask.positions, arm);
   Passes<H> x(n);
   for (int k = 1; k <= n; ++k) x[k].T0 = joint_entry<H>(order, {}, k);
@@ -195,7 +195,7 @@ void fill_links(const Question<S>& ask, Swept<S>& out) {
     set(out.a, k, x[k].a);
     set(out.b, k, x[k].b);
     out.G.block(at, first, 6, count) = block(x[k].G);
-    out.D.block(first, first, count, count) = block(x[k].D);
+    out.D.block(first, first, count, count) = block(x[k].G.D);
     if (k < n) {
       out.K.block(at + 6, first, 6, count) = block(arm[k].phi * x[k].G);
       out.E_psi.block(at + 6, at, 6, 6) = block(psi_of(arm, arm[k].hinge, x, k));

@@ -50,7 +50,7 @@ struct ArmLink {
   using S = typename H::Scalar;
   typename H::Shift phi;
   H hinge;
-  RigidInertia<S> M;
+  [[no_unique_address]] RigidInertia<S> M;  // J stands where M ends
   typename H::JointInertia J;
 };
 
@@ -86,13 +86,15 @@ struct Ground {
   Vec<Motion, S> a_g;  // (0; -gravity): the upward acceleration that stands for gravity; inertial frame
 };
 
-/// phi, H, M, J of every link at one configuration. arm[0] holds phi(1,0) alone.
+/// phi, H, M, J of every link at one configuration. arm[0] holds phi(1,0) alone, and no joint.
+/// BasicArmBuilder::arm() makes one, with all that no configuration changes; its place() does the rest.
 template <class H>
 struct BasicArm {
   using S = typename H::Scalar;
   std::vector<ArmLink<H>> link;
-  Placement<S> base;  // the base in the inertial frame
-  Placement<S> tip;   // axes and tip point O(0), inertial frame; in link frames the sweeps find it
+  Placement<S> base;            // the base in the inertial frame
+  Placement<S> tip;             // axes and tip point O(0), inertial frame; in link frames the sweeps find it
+  std::vector<S> sine, cosine;  // of joints with one axis, base to tip
   int n() const { return static_cast<int>(link.size()) - 1; }
   ArmLink<H>& operator[](int k) { return link[static_cast<std::size_t>(k)]; }
   const ArmLink<H>& operator[](int k) const { return link[static_cast<std::size_t>(k)]; }
@@ -101,16 +103,17 @@ template <Field S>
 using Arm = BasicArm<Hinge<S>>;
 
 /// work(k, H(k)) for k = first .. 1, base -> tip. Joints of one kind in a row share a loop that knows their
-/// kind.
+/// kind; it ends at a joint of another kind, which arm[0] has.
 template <class H, class Work>
 constexpr void outward(const BasicArm<H>& arm, int first, const Work& work) {
   for (int k = first; k >= 1;)
     with_known_kind(arm[k].hinge, [&](const auto& kind) {
       do work(k, kind(arm[k].hinge));
-      while (--k >= 1 && kind.holds(arm[k].hinge));
+      while (kind.holds(arm[--k].hinge));
     });
 }
-/// work(k, H(k)) for k = 1 .. n, tip -> base.
+/// work(k, H(k)) for k = 1 .. n, tip -> base. Asks for n first: what work leaves for a next link is then not
+/// computed for the last one.
 template <class H, class Work>
 constexpr void inward(const BasicArm<H>& arm, const Work& work) {
   const int n = arm.n();
@@ -164,11 +167,24 @@ template <class H>
 void set_joint_entry(const JointOrder& order, std::span<typename H::Scalar> list, int k,
                      const typename H::Coordinate& value) {
   if constexpr (has_one_axis<H>) {
-    list[order.joint.size() - 1 - static_cast<std::size_t>(k)] = value;
+    list[list.size() - static_cast<std::size_t>(k)] = value;
   } else {
     const auto [first, m] = order[k];
     for (int i = 0; i < m; ++i) list[static_cast<std::size_t>(first + i)] = value[i];
   }
+}
+
+/// give(k, coordinates of joint k) for k = 1 .. n, from a base-to-tip list; zeros from an empty one.
+template <class H, class Give>
+void give_joint_entries(const JointOrder& order, std::span<const typename H::Scalar> list, const Give& give) {
+  const int n = static_cast<int>(order.joint.size()) - 1;
+  if constexpr (has_one_axis<H>)
+    if (!list.empty()) {
+      const auto* entry = list.data() + n;
+      for (int k = 1; k <= n; ++k) give(k, *--entry);
+      return;
+    }
+  for (int k = 1; k <= n; ++k) give(k, joint_entry<H>(order, list, k));
 }
 
 /// Joint coordinates in the paper's numbering from a base-to-tip list of all of them, for joints of any kind.
@@ -217,6 +233,8 @@ class BasicArmBuilder {
     }
     tip_axes_ = to_axes(chain.R_tip);
     tip_point_ = to_vec3(chain.p_tip);
+    tip_axes_along_ = {tip_axes_.x, tip_axes_.y, tip_axes_.z};
+    tip_point_along_ = tip_point_;
     a_g_ = {{S(0), S(0), S(0)}, seeded(Fault::gravity_sign, -to_vec3(chain.gravity))};
   }
 
@@ -237,15 +255,35 @@ class BasicArmBuilder {
   /// Axes and origin of the base, where it is not the inertial frame.
   static Placement<S> placement(const BaseMotion<S>& base) { return {to_mat3(base.R), to_vec3(base.p)}; }
 
-  /// Places the arm on a base that stands where arm.base says. `joints` base to tip. In one frame this is
-  /// forward kinematics, base to tip, the hidden sweep; in link frames each link is placed by itself. No
-  /// allocation after the first call.
+  /// An arm to be placed, on a base at rest: its memory and what no configuration changes.
+  BasicArm<H> arm() const {
+    BasicArm<H> out;
+    out.link.resize(links_.size() + 1);
+    if constexpr (has_one_axis<H>) out.sine.resize(links_.size()), out.cosine.resize(links_.size());
+    for (int k = 1; k <= n(); ++k) {
+      const Constants& c = links_[static_cast<std::size_t>(n() - k)];
+      out[k].M.m = c.M.m;
+      if constexpr (has_one_axis<H>) out[k].hinge.kind = c.kind, out[k].J.d = c.J;
+    }
+    return out;
+  }
+
+  /// Places an arm made by arm() on a base that stands where arm.base says. `joints` base to tip. In one
+  /// frame this is forward kinematics, base to tip, the hidden sweep; in link frames each link is placed by
+  /// itself. No allocation.
   void place(const std::vector<JointPosition<S>>& joints, BasicArm<H>& arm) const {
-    arm.link.resize(links_.size() + 1);
     if constexpr (in_link_frames<H>)
       place_in_link_frames(joints, arm);
     else
       inlined<S>([&] { place_in_one_frame(joints, arm); });
+  }
+
+  /// The same from coordinates, base to tip: all sines and cosines at once. Joints with one axis, in one
+  /// frame.
+  void place(std::span<const S> q, BasicArm<H>& arm) const {
+    static_assert(has_one_axis<H> && !in_link_frames<H>);
+    sine_cosine(q.data(), arm.sine.data(), arm.cosine.data(), arm.sine.size());
+    inlined<S>([&] { place_in_one_frame(OneAxisPositions{q.data(), arm}, arm); });
   }
 
  private:
@@ -262,39 +300,54 @@ class BasicArmBuilder {
     Coefficients<S> p_along, mp_along;
     SymmetricCoefficients<S> I_along;
   };
+  /// Where joints with one axis stand, seen like a list of joint positions.
+  struct OneAxisPosition {
+    const S &c, &s, &d;
+  };
+  struct OneAxisPositions {
+    const S* q;
+    const BasicArm<H>& arm;
+    OneAxisPosition operator[](std::size_t i) const { return {arm.cosine[i], arm.sine[i], q[i]}; }
+  };
   /// Axes of a link whose joint's axes are `joint`, at q.
-  static Axes<S> turned_by(const JointType type, const Axes<S>& joint, const JointPosition<S>& q) {
+  template <class Position>
+  static Axes<S> turned_by(const JointType type, const Axes<S>& joint, const Position& q) {
     if (type == JointType::prismatic) return joint;
-    if (type != JointType::revolute) return joint * to_axes(q.R);
+    if constexpr (!has_one_axis<H>)
+      if (type != JointType::revolute) return joint * to_axes(q.R);
     const S s = seeded(Fault::sense_of_rotation, q.s);
     return {joint.x * q.c + joint.y * s, joint.y * q.c - joint.x * s, joint.z};
   }
   /// How far the link's origin has moved, m. joint: the joint's axes, in which frame the result is.
-  static Vec3<S> slid(const JointType type, const Axes<S>& joint, const JointPosition<S>& q) {
+  template <class Position>
+  static Vec3<S> slid(const JointType type, const Axes<S>& joint, const Position& q) {
     if (type == JointType::revolute) return {};
-    if (type == JointType::prismatic) return seeded(Fault::slide, joint.z * q.d);
-    return joint * to_vec3(q.p);
+    if constexpr (!has_one_axis<H>)
+      if (type != JointType::prismatic) return joint * to_vec3(q.p);
+    return seeded(Fault::slide, joint.z * q.d);
   }
 
-  void place_in_one_frame(const std::vector<JointPosition<S>>& joints, BasicArm<H>& arm) const {
+  template <class Positions>
+  void place_in_one_frame(const Positions& joints, BasicArm<H>& arm) const {
     Axes<S> e = axes_of(arm.base.R);  // of link k
     Vec3<S> O = arm.base.p;           // O(k)
-    for (int k = n(); k >= 1; --k) {
-      const auto i = static_cast<std::size_t>(n() - k);
+    const int n = arm.n();
+    for (int k = n; k >= 1; --k) {
+      const auto i = static_cast<std::size_t>(n - k);
       const Constants& c = links_[i];
       auto& [phi, hinge, M, J] = arm[k];
-      const Axes<S> joint = {e * c.R_along[0], e * c.R_along[1], e * c.R_along[2]};
+      const Axes<S> joint = e * c.R_along;
       phi.l = e * c.p_along;
-      if (c.type != JointType::revolute)
+      if (c.type != JointType::revolute) [[unlikely]]
         phi.l = phi.l + slid(c.type, joint, joints[i]);  // O(k) moves with link k
       e = turned_by(c.type, joint, joints[i]);
       set_axes(hinge, J, c, joint, e);
-      M = {turned(faulty(Fault::inertia_turned_back) ? inverse(e) : e, c.I_along),
-           faulty(Fault::first_moment_not_turned) ? c.M.mp : e * c.mp_along, c.M.m};
+      M.I = turned(faulty(Fault::inertia_turned_back) ? inverse(e) : e, c.I_along);
+      M.mp = faulty(Fault::first_moment_not_turned) ? c.M.mp : e * c.mp_along;
       O = O + phi.l;
     }
-    arm[0].phi.l = faulty(Fault::tip_not_turned) ? tip_point_ : e * tip_point_;
-    arm.tip = {matrix_of(e * tip_axes_), O + arm[0].phi.l};
+    arm[0].phi.l = faulty(Fault::tip_not_turned) ? tip_point_ : e * tip_point_along_;
+    arm.tip = {matrix_of(e * tip_axes_along_), O + arm[0].phi.l};
   }
 
   void place_in_link_frames(const std::vector<JointPosition<S>>& joints, BasicArm<H>& arm) const {
@@ -312,13 +365,12 @@ class BasicArmBuilder {
     arm[0].phi = {matrix_of(tip_axes_), tip_point_};
   }
 
-  /// H(k) and J(k), from the joint's axes and the link's, both in the frame that link k uses.
+  /// H(k) and J(k), but for what arm() has set, from the joint's axes and the link's, both in the frame that
+  /// link k uses.
   static void set_axes(H& hinge, typename H::JointInertia& J, const Constants& c, const Axes<S>& joint,
                        const Axes<S>& link) {
     if constexpr (has_one_axis<H>) {
-      hinge.kind = c.kind;
       hinge.h = link.z;  // the same as joint.z
-      J.d = c.J;
     } else {
       const int m = velocity_count(c.type);
       hinge.axes.m = m;
@@ -364,6 +416,8 @@ class BasicArmBuilder {
   std::vector<Constants> links_;
   Axes<S> tip_axes_;  // in the last link's frame
   Vec3<S> tip_point_;
+  std::array<Coefficients<S>, 3> tip_axes_along_;  // both again, as what multiplies vectors
+  Coefficients<S> tip_point_along_;
   Vec<Motion, S> a_g_;
 };
 template <Field S>

@@ -15,9 +15,9 @@ class BasicForwardDynamics {
  public:
   using S = typename H::Scalar;
 
-  /// Prepares the constants of the chain: all memory is taken here and in the first place().
+  /// Prepares the constants of the chain: all memory is taken here.
   explicit BasicForwardDynamics(const Chain<S>& chain)
-      : builder_(chain), order_(chain), x_(chain.n()), ground_(builder_.ground()) {}
+      : builder_(chain), order_(chain), arm_(builder_.arm()), x_(chain.n()), ground_(builder_.ground()) {}
 
   /// Number of links.
   int n() const { return builder_.n(); }
@@ -26,6 +26,11 @@ class BasicForwardDynamics {
   void place(const std::vector<JointPosition<S>>& joints) {
     leader_ = {};
     builder_.place(joints, arm_);
+  }
+  /// The same from coordinates, base to tip, where every joint has one axis.
+  void place(std::span<const S> q) {
+    leader_ = {};
+    builder_.place(q, arm_);
   }
   /// The base moves as prescribed; call before place. Without this call it is at rest in the inertial frame.
   void move_base(const BaseMotion<S>& base) {
@@ -43,18 +48,20 @@ class BasicForwardDynamics {
     inlined<S>([&] { sweep_velocities(arm_, JointList<H>{order_, qd}, ground_, x_); });
   }
 
-  /// qdd for joint torques T (friction already subtracted) and the wrench F_ext on the tip. After move().
+  /// qdd for joint torques T (friction already subtracted) and the wrench F_ext
+  /// on the tip. After move().
   void accelerations(std::span<const S> T, const Vec<Force, S>& F_ext, std::span<S> qdd) {
-    for (int k = 1; k <= n(); ++k) x_[k].T0 = joint_entry<H>(order_, T, k);
-    inlined<S>([&] { sweep_articulated(arm(), moved(), {}, F_ext, x_); });
-    inlined<S>([&] { sweep_accelerations(arm(), moved(), ground_, x_); });
-    for (int k = 1; k <= n(); ++k) set_joint_entry<H>(order_, qdd, k, x_[k].thdd);
+    give_joint_entries<H>(order_, T, [&](int k, const auto& entry) { x_[k].T0 = entry; });
+    inlined<S>([&] { sweeps_after_velocities(F_ext, qdd); });
   }
   /// Both.
   void accelerations(std::span<const S> qd, std::span<const S> T, const Vec<Force, S>& F_ext,
                      std::span<S> qdd) {
-    move(qd);
-    accelerations(T, F_ext, qdd);
+    const JointList<H> rates{order_, qd}, torques{order_, T};
+    inlined<S>([&] {
+      sweep_velocities(arm_, rates, ground_, x_, [&](int k, const auto&) { x_[k].T0 = torques[k]; });
+      sweeps_after_velocities(F_ext, qdd);
+    });
   }
 
   /// After move(): rad/s, m/s.
@@ -90,6 +97,13 @@ class BasicForwardDynamics {
   }
 
  private:
+  /// Sweep 2 and accelerations, after sweep 1, with T0 there.
+  void sweeps_after_velocities(const Vec<Force, S>& F_ext, std::span<S> qdd) {
+    sweep_articulated(arm(), moved(), {}, F_ext, x_);
+    sweep_accelerations(arm(), moved(), ground_, x_,
+                        [&](int k, const auto& thdd) { set_joint_entry<H>(order_, qdd, k, thdd); });
+  }
+
   /// Whom follow() named; a copy of this object follows nobody.
   struct Leader {
     const BasicOperationalSpace<H>* space = nullptr;

@@ -26,9 +26,9 @@ class BasicOperationalSpace {
  public:
   using S = typename H::Scalar;
 
-  /// Prepares the constants of the chain: all memory is taken here and in the first place().
+  /// Prepares the constants of the chain: all memory is taken here.
   explicit BasicOperationalSpace(const Chain<S>& chain)
-      : builder_(chain), order_(chain), x_(chain.n()), ground_(builder_.ground()) {
+      : builder_(chain), order_(chain), arm_(builder_.arm()), x_(chain.n()), ground_(builder_.ground()) {
     if constexpr (in_link_frames<H>) last_.resize(static_cast<std::size_t>(chain.n()) + 1);
   }
 
@@ -37,6 +37,8 @@ class BasicOperationalSpace {
 
   /// Sets the configuration.
   void place(const std::vector<JointPosition<S>>& joints) { builder_.place(joints, arm_); }
+  /// The same from coordinates, base to tip, where every joint has one axis; in one frame.
+  void place(std::span<const S> q) { builder_.place(q, arm_); }
   /// The base moves as prescribed; call before place. Without this call it is at rest in the inertial frame.
   void move_base(const BaseMotion<S>& base) {
     arm_.base = builder_.placement(base);
@@ -86,8 +88,9 @@ class BasicOperationalSpace {
 
   /// Sweep 4: T = J* F + T0, base to tip (39).
   void torques(const Vec<Force, S>& F, std::span<S> T) {
-    inlined<S>([&] { sweep_torques(arm_, seen(F), x_); });
-    give_torques(T);
+    inlined<S>([&] {
+      sweep_torques(arm_, seen(F), x_, [&](int k, const auto& T_of_F) { give_torque(k, T_of_F, T); });
+    });
   }
 
   /// One sample of a controller with delay, in link frames; `finish_sample` must follow. Afterwards Omega,
@@ -117,7 +120,7 @@ class BasicOperationalSpace {
   void finish_sample(bool extrapolate, const Vec<Force, S>& F, std::span<S> T) {
     const Vec<Force, S> F_now = seen(F);
     if (!old_force_) sweep_torques(arm_, F_now, x_);
-    give_torques(T);
+    for (int k = 1; k <= n(); ++k) give_torque(k, x_[k].T, T);
     F_ = extrapolate && filled_ ? extrapolated(Fault::extrapolated_force, F_now, last_F_) : F_now;
     if (faulty(Fault::force_too_old)) F_ = filled_ ? last_F_ : F_now;
     last_F_ = F_now;
@@ -140,7 +143,7 @@ class BasicOperationalSpace {
   /// Omega(0) (c + g) and what the known torques and wrench add to it, after sweep 3: rad/s^2, m/s^2.
   Vec<Motion, S> right_side() const { return inertial(x_.eta0); }
   /// D(k) of the last sweep, paper numbering 1..n.
-  const typename H::JointInertia& articulated_joint_inertia(int k) const { return x_[k].D; }
+  const typename H::JointInertia& articulated_joint_inertia(int k) const { return x_[k].G.D; }
   /// The placed arm.
   const BasicArm<H>& arm() const { return arm_; }
   /// What the sweeps left at its links.
@@ -153,11 +156,10 @@ class BasicOperationalSpace {
   void set_torques(std::span<const S> T0) {
     if (T0.empty() && !has_T0_) return;  // they are zero
     has_T0_ = !T0.empty();
-    for (int k = 1; k <= n(); ++k) x_[k].T0 = joint_entry<H>(order_, T0, k);
+    give_joint_entries<H>(order_, T0, [&](int k, const auto& entry) { x_[k].T0 = entry; });
   }
-  void give_torques(std::span<S> T) const {
-    for (int k = 1; k <= n(); ++k)
-      set_joint_entry<H>(order_, T, k, x_[k].T + seeded(Fault::null_space_torque, x_[k].T0));
+  void give_torque(int k, const typename H::Coordinate& T_of_F, std::span<S> T) const {
+    set_joint_entry<H>(order_, T, k, T_of_F + seeded(Fault::null_space_torque, x_[k].T0));
   }
   const Placement<S>& tip() const { return in_link_frames<H> ? x_.tip : arm_.tip; }
   /// Between the inertial frame and the axes in which the sweeps hold the tip's vectors.

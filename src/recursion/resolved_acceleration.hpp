@@ -51,11 +51,12 @@ class ResolvedAcceleration {
  public:
   using S = typename H::Scalar;
 
-  /// Prepares the constants of the chain: all memory is taken here and in the first place().
+  /// Prepares the constants of the chain: all memory is taken here.
   explicit ResolvedAcceleration(const Chain<S>& chain)
       : builder_(chain),
         order_(chain),
         coordinates_(chain.velocities()),
+        arm_(builder_.arm()),
         x_(chain.n()),
         alpha_(static_cast<std::size_t>(chain.n()) + 1),
         ground_(builder_.ground()) {}

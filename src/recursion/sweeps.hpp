@@ -32,14 +32,12 @@ template <class H>
 struct Pass {
   using S = typename H::Scalar;
   using Coordinate = typename H::Coordinate;
-  Vec<Motion, S> a;            // bias acceleration
-  Vec<Force, S> b;             // bias force
-  typename H::Gain G;          // (31)
-  typename H::JointInertia D;  // (30), articulated inertia felt by the joint, with armature
+  Vec<Motion, S> a;    // bias acceleration
+  Vec<Force, S> b;     // bias force
+  typename H::Gain G;  // (31); G.D: (30), articulated inertia felt by the joint, with armature
   typename H::JointMobility D_inverse;
   Coordinate Hz{};       // H(k) z(k)
   Coordinate T0{}, T{};  // joint torque known beforehand; joint torque of (39)
-  Coordinate thdd{};     // joint acceleration (plant)
 };
 
 /// x[1] .. x[n], what the sweeps find at the tip, and how often one went along the arm.
@@ -97,7 +95,7 @@ constexpr void velocity_step(const ArmLink<H>& link, const H& Hk, const typename
   const auto& M = link.M;
   const auto in = V;
   const auto joint = Hk.T() * thd;
-  V = phi.T() * in + seeded(Fault::velocity_joint, joint);  // (41)
+  V = star_as_sum(phi, in) + seeded(Fault::velocity_joint, joint);  // (41): phi* V(k+1) + H* thd
   x.a =
       with_inner_bias(Hk, thd, seeded(Fault::bias_acceleration, bias_acceleration(in, phi, joint)));  // (48)
   x.b = seeded(Fault::bias_force, bias_force(M, faulty(Fault::inner_velocity) ? in : V));             // (47)
@@ -120,10 +118,10 @@ constexpr Psi<H> psi_of(const BasicArm<H>& arm, const H& Hk, const Passes<H>& x,
 template <class H>
 constexpr void articulate(const ArmLink<H>& link, const H& Hk, Inertia<typename H::Scalar>& P, Pass<H>& x) {
   P = P + seeded(Fault::articulated_mass, link.M);  // (37)
-  x.D = Hk * P * Hk.T() + link.J;                   // (30)
-  x.D_inverse = inverse(x.D);
+  const auto D = Hk * P * Hk.T() + link.J;          // (30)
+  x.D_inverse = inverse(D);
   x.G = P * Hk.T() * x.D_inverse;  // (31)
-  x.G.D = x.D;
+  x.G.D = D;
 }
 /// P(k) as link k+1 feels it.
 template <class H>
@@ -299,12 +297,16 @@ void sweep_gravity(const BasicArm<H>& arm, const Vec<Motion, typename H::Scalar>
   x.eta_g0 = arm[0].phi.T() * alpha - seeded(Fault::gravity_tip, arm[0].phi.T() * eta);  // (74)
 }
 
-/// Sweep 4, tip -> base: the tip force F_c becomes joint torques x[k].T = (J* F_c)(k).
-template <class H>
-void sweep_torques(const BasicArm<H>& arm, const Vec<Force, typename H::Scalar>& F_c, Passes<H>& x) {
+/// Sweep 4, tip -> base: the tip force F_c becomes joint torques x[k].T = (J* F_c)(k). see(k, x[k].T).
+template <class H, class See = Unseen>
+void sweep_torques(const BasicArm<H>& arm, const Vec<Force, typename H::Scalar>& F_c, Passes<H>& x,
+                   const See& see = {}) {
   ++x.sweeps;
   auto f = F_c;
-  inward(arm, [&](int k, const H& Hk) { torque_step(arm, Hk, k, f, x[k]); });  // (39)
+  inward(arm, [&](int k, const H& Hk) {
+    torque_step(arm, Hk, k, f, x[k]);  // (39)
+    see(k, x[k].T);
+  });
 }
 
 /// Sweeps 2 and 4 in one, tip -> base: x[k].T from a tip force F_c that is known already.
@@ -341,21 +343,23 @@ void sweep_compliance_and_velocities(const BasicArm<H>& arm, const Rates& thd,
 }
 
 /// After sweeps 1 and 2 (the latter with a ground at rest and the applied torques as T0), base -> tip: joint
-/// accelerations x[k].thdd and the tip's acceleration alpha0. This is M^-1 = (1 - H psi K)* D^-1 (1 - H
+/// accelerations thdd and the tip's acceleration alpha0. This is M^-1 = (1 - H psi K)* D^-1 (1 - H
 /// psi K) (51), row by row, O(n). alpha(k) contains a_g; alpha0 is the true one. moved: as for sweep 2.
-template <class H>
+/// see(k, thdd(k)).
+template <class H, class See = Unseen>
 void sweep_accelerations(const BasicArm<H>& arm, const Passes<H>& moved,
-                         const Ground<typename H::Scalar>& ground, Passes<H>& x) {
+                         const Ground<typename H::Scalar>& ground, Passes<H>& x, const See& see = {}) {
   static_assert(!in_link_frames<H>, "the tip's acceleration is wanted in the inertial frame");
   ++x.sweeps;
   auto alpha = ground.A;
   outward(arm, arm.n(), [&](int k, const H& Hk) {
-    auto& [own_a, own_b, G, D, D_inverse, Hz, T0, T, thdd] = x[k];
+    const auto& [own_a, own_b, G, D_inverse, Hz, T0, T] = x[k];
     alpha = arm[k].phi.T() * alpha;
     const auto innovation =
-        D_inverse * (T0 - seeded(Fault::plant_innovation, Hz));            // (51): D^-1 (1 - H psi K)
-    thdd = innovation - seeded(Fault::plant_acceleration, G.T() * alpha);  // (51): (1 - H psi K)*
+        D_inverse * (T0 - seeded(Fault::plant_innovation, Hz));  // (51): D^-1 (1 - H psi K)
+    const auto thdd = innovation - seeded(Fault::plant_acceleration, G.T() * alpha);  // (51): (1 - H psi K)*
     alpha = alpha + Hk.T() * seeded(Fault::plant_joint, thdd) + seeded(Fault::plant_bias, moved[k].a);
+    see(k, thdd);
   });
   x.alpha0 = arm[0].phi.T() * alpha + seeded(Fault::plant_tip_bias, moved.a0) - ground.a_g;  // (8)
 }

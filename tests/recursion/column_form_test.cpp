@@ -1,6 +1,7 @@
 // The sweep of columns gives what sweep 3 gives: exactly over fractions, to rounding over doubles. Joints
 // with several axes: fast_path_test.cpp.
 #include "model/random_arm.hpp"
+#include "recursion/forward_dynamics.hpp"
 #include "recursion/operational_space.hpp"
 #include "recursion/worst.hpp"
 #include "spatial/plain.hpp"
@@ -39,6 +40,28 @@ TEST_CASE("columns from the tip give Omega and the right side of sweep 3 exactly
       INFO("exact_arm(" << seed << ", " << n << ")");
       Random random(seed);
       check_exactly_equal(exact_arm(seed, n), random);
+    }
+}
+
+TEST_CASE("an arm is placed from coordinates as from joint positions, and gives the same bits") {
+  for (int n = 1; n <= 12; ++n)
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+      INFO("random_arm(" << seed << ", " << n << ")");
+      const RandomArm arm = random_arm(seed, n);
+      const auto size = static_cast<std::size_t>(n);
+      const std::span<const double> q(arm.q.data(), size), qd(arm.qd.data(), size);
+      OperationalSpace<double> space(arm.chain), from_q(arm.chain);
+      space.place(arm.positions), from_q.place(q);
+      space.sweep(qd), from_q.sweep(qd);
+      CHECK(plain(space.Omega()) == plain(from_q.Omega()));
+      CHECK(plain(space.right_side()) == plain(from_q.right_side()));
+      ForwardDynamics<double> plant(arm.chain), plant_from_q(arm.chain);
+      plant.place(arm.positions), plant_from_q.place(q);
+      std::vector<double> T(size, 1.0), qdd(size), qdd_from_q(size);
+      plant.move(qd);
+      plant.accelerations(T, {}, qdd);
+      plant_from_q.accelerations(qd, T, {}, qdd_from_q);
+      CHECK(qdd == qdd_from_q);
     }
 }
 

@@ -151,7 +151,7 @@ TEST_CASE("section 4.3 as printed, without a_g on the right of (68), is wrong by
   for_arms(1, 6, 5, [](const ExactArm& arm, Random&) {
     const int n = arm.chain.n();
     const ArmBuilder<Q> builder(arm.chain);
-    Arm<Q> placed;
+    Arm<Q> placed = builder.arm();
     builder.place(arm.positions, placed);
     Passes<Hinge<Q>> x(n);
     sweep_velocities(placed, TipFirst<Q>{arm.qd.data(), n}, builder.ground(), x);

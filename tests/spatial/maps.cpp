@@ -169,8 +169,9 @@ struct PlainJoint {
     else
       link.axis = random.exact_rotation().col(2);
     chain.links.push_back(link);
-    Arm<S> arm;
-    ArmBuilder<S>(chain).place({JointPosition<S>{}}, arm);
+    const ArmBuilder<S> builder(chain);
+    Arm<S> arm = builder.arm();
+    builder.place({JointPosition<S>{}}, arm);
     H = arm[1].hinge;
     const Vec3<S> h = to_vec3(link.axis);
     column = plain(type == JointType::revolute ? Vec<Motion, S>{h, {}} : Vec<Motion, S>{{}, h});
