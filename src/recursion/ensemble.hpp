@@ -40,8 +40,6 @@ class BasicEnsemble {
         plant_(chain_),
         joints_(chain.links.size()),
         q_(size(chain.positions())),
-        sine_(q_),
-        cosine_(q_),
         qd_(size(chain.velocities())),
         T_(qd_),
         qdd_(qd_) {}
@@ -63,24 +61,13 @@ class BasicEnsemble {
     for (Array* terms : {&out.c, &out.g, &out.F}) terms->resize(states, 6);
     out.T.resize(states, velocities());
     for (Eigen::Index first = 0; first < states; first += lanes) {
-      place(q, first);
+      place(space_, q, first);
       load(qd, first, qd_);
-      space_.place(joints_);
       space_.sweep(qd_);
-      const Compliance<S> Omega = space_.Omega();
-      const TaskFactor<S> factor(Omega, rows_);
-      TaskVector<S> right = restricted(space_.right_side(), rows_);
-      const TaskVector<S> bias = factor.solve(right);  // c + g
-      const TaskVector<S> g = factor.solve(restricted(space_.right_side_of_g(), rows_));
-      for (int i = 0; i < 6; ++i) right[at(i)] += packet(u, first, i);
-      const TaskVector<S> F = factor.solve(right);
-      space_.torques(wrench(F, rows_), T_);
-      for (int i = 0; i < 6; ++i) {
-        put(g[at(i)], out.g, first, i);
-        put(bias[at(i)] - g[at(i)], out.c, first, i);
-        put(F[at(i)], out.F, first, i);
-        for (int j = i; j < 6; ++j) put(component(Omega, i, j), out.Omega, first, compliance_column(i, j));
-      }
+      const Vec<Motion, S> right_of_g = space_.right_side_of_g();
+      Vec<Force, S> F;
+      inlined<S>([&] { F = task_terms(right_of_g, u, first, out); });
+      space_.torques(F, T_);
       for (int i = 0; i < velocities(); ++i) put(T_[at(i)], out.T, first, i);
     }
   }
@@ -93,16 +80,39 @@ class BasicEnsemble {
     check(T, states, velocities());
     qdd.resize(states, velocities());
     for (Eigen::Index first = 0; first < states; first += lanes) {
-      place(q, first);
+      place(plant_, q, first);
       load(qd, first, qd_);
       load(T, first, T_);
-      plant_.place(joints_);
       plant_.accelerations(qd_, T_, {}, qdd_);
       for (int i = 0; i < velocities(); ++i) put(qdd_[at(i)], qdd, first, i);
     }
   }
 
  private:
+  /// Puts Omega, c, g and F, which it returns.
+  Vec<Force, S> task_terms(const Vec<Motion, S>& right_of_g, const Array& u, Eigen::Index first,
+                           EnsembleTerms& out) const {
+    const Compliance<S>& Omega = space_.Omega();
+    const TaskFactor<S> factor(Omega, rows_);
+    const Vec<Motion, S> right = space_.right_side();
+    const Vec<Force, S> bias = factor.solve(right);  // c + g
+    const Vec<Force, S> g = factor.solve(right_of_g);
+    Vec<Motion, S> wanted;
+#pragma GCC unroll 6
+    for (int i = 0; i < 6; ++i) component(wanted, i) = packet(u, first, i);
+    const Vec<Force, S> F = factor.solve(right + wanted);
+    const Vec<Force, S> c = bias - g;
+#pragma GCC unroll 6
+    for (int i = 0; i < 6; ++i) {
+      put(component(g, i), out.g, first, i);
+      put(component(c, i), out.c, first, i);
+      put(component(F, i), out.F, first, i);
+#pragma GCC unroll 6
+      for (int j = i; j < 6; ++j) put(component(Omega, i, j), out.Omega, first, compliance_column(i, j));
+    }
+    return F;
+  }
+
   static std::size_t size(int n) { return static_cast<std::size_t>(n); }
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   static void check(const Array& x, Eigen::Index states, int coordinates) {
@@ -124,19 +134,14 @@ class BasicEnsemble {
   static void load(const Array& x, Eigen::Index first, std::vector<S>& to) {
     for (int i = 0; i < static_cast<int>(to.size()); ++i) to[at(i)] = packet(x, first, i);
   }
-  void place(const Array& q, Eigen::Index first) {
+  template <class Placed>
+  void place(Placed& arm, const Array& q, Eigen::Index first) {
     load(q, first, q_);
-    sine_cosine(q_.data(), sine_.data(), cosine_.data(), q_.size());
-    std::size_t from = 0;
-    for (std::size_t i = 0; i < joints_.size(); ++i) {
-      const Link<S>& link = chain_.links[i];
-      if (link.type == JointType::revolute)
-        joints_[i].c = cosine_[from], joints_[i].s = sine_[from];
-      else if (link.type == JointType::prismatic)
-        joints_[i].d = q_[from];
-      else
-        joints_[i] = joint_position(link, &q_[from]);
-      from += at(position_count(link.type));
+    if constexpr (has_one_axis<H>) {
+      arm.place(q_);
+    } else {
+      set_positions<S>(chain_, q_, joints_);
+      arm.place(joints_);
     }
   }
 
@@ -145,7 +150,7 @@ class BasicEnsemble {
   BasicForwardDynamics<H> plant_;
   TaskRows rows_ = all_rows();
   std::vector<JointPosition<S>> joints_;
-  std::vector<S> q_, sine_, cosine_, qd_, T_, qdd_;
+  std::vector<S> q_, qd_, T_, qdd_;
 };
 /// For arms whose joints all have one axis. Others: BasicEnsemble<Joint<Packet<N>>>.
 template <int N = native_lanes>
