@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   try {
     for (const char* name : {"random7", "random100"}) {
       count_routes(name, add_recursions, "four_sweeps", "forward_dynamics", 50);
+      count_routes(name, add_column_form, "column_form", nullptr, 50);
       count_routes(name, add_dense, "dense", nullptr, 2);
     }
     const auto right_side = puma560_right_side();

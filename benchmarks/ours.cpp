@@ -11,20 +11,26 @@ namespace osculate::bench {
 namespace {
 
 struct Recursions {
-  explicit Recursions(const Chain<double>& c) : chain(c), space(c), plant(c) {
-    joints.reserve(c.links.size());
-  }
+  explicit Recursions(const Chain<double>& c) : space(c), plant(c) {}
 
   void forward_dynamics(const State& state, Answer& answer) {
-    set_positions<double>(chain, state.q, joints);
-    plant.place(joints);
+    plant.place(state.q);
     plant.accelerations(state.qd, state.T, {}, answer.qdd);
   }
 
-  void task(const State& state, Answer& answer) {
-    set_positions<double>(chain, state.q, joints);
-    space.place(joints);
+  void four_sweeps(const State& state, Answer& answer) {
+    space.place(state.q);
     space.sweep(state.qd);
+    finish(state, answer);
+  }
+
+  void from_tip(const State& state, Answer& answer) {
+    space.place(state.q);
+    space.sweep_from_tip(state.qd);
+    finish(state, answer);
+  }
+
+  void finish(const State& state, Answer& answer) {
     const auto& u = state.u;
     const Vec<Motion, double> right =
         space.right_side() + Vec<Motion, double>{{u[0], u[1], u[2]}, {u[3], u[4], u[5]}};
@@ -38,11 +44,9 @@ struct Recursions {
       for (int j = 0; j < 6; ++j) *out++ = component(space.Omega(), i, j);
   }
 
-  const Chain<double>& chain;
   const TaskRows rows = all_rows();
   OperationalSpace<double> space;
   ForwardDynamics<double> plant;
-  std::vector<JointPosition<double>> joints;
 };
 
 VectorX<double> vector_of(const std::vector<double>& list) {
@@ -54,13 +58,20 @@ VectorX<double> vector_of(const std::vector<double>& list) {
 void add_recursions(const Chain<double>& chain, std::vector<Route>& routes) {
   const auto ours = std::make_shared<Recursions>(chain);
   routes.push_back({"ours", "four sweeps", Call::task,
-                    [ours](const State& s, Answer& a) { ours->task(s, a); },
+                    [ours](const State& s, Answer& a) { ours->four_sweeps(s, a); },
                     [ours](double* out) { ours->read_Omega(out); }});
   routes.push_back({"ours",
                     "sweeps 1, 2, accelerations",
                     Call::forward_dynamics,
                     [ours](const State& s, Answer& a) { ours->forward_dynamics(s, a); },
                     {}});
+}
+
+void add_column_form(const Chain<double>& chain, std::vector<Route>& routes) {
+  const auto ours = std::make_shared<Recursions>(chain);
+  routes.push_back({"ours", "columns for sweep 3", Call::task,
+                    [ours](const State& s, Answer& a) { ours->from_tip(s, a); },
+                    [ours](double* out) { ours->read_Omega(out); }});
 }
 
 void add_dense(const Chain<double>& chain, std::vector<Route>& routes) {

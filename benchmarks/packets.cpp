@@ -38,11 +38,7 @@ States random_states(int n) {
 class Scalar {
  public:
   explicit Scalar(const States& states)
-      : space_(states.chain),
-        plant_(states.chain),
-        joints_(states.chain.links.size()),
-        numbers_(states.chain.links.size()),
-        chain_(states.chain) {
+      : space_(states.chain), plant_(states.chain), numbers_(states.chain.links.size()) {
     for (int i = 0; i < state_count; ++i) {
       const auto row = [i](const MatrixX<double>& x) {
         std::vector<double> out;
@@ -54,8 +50,7 @@ class Scalar {
   }
   void evaluate(int i) {
     const Row& state = rows_[static_cast<std::size_t>(i)];
-    set_positions<double>(chain_, state.q, joints_);
-    space_.place(joints_);
+    space_.place(state.q);
     space_.sweep(state.qd);
     const TaskFactor<double> factor(space_.Omega(), all_);
     TaskVector<double> right = restricted(space_.right_side(), all_);
@@ -67,8 +62,7 @@ class Scalar {
   }
   void accelerations(int i) {
     const Row& state = rows_[static_cast<std::size_t>(i)];
-    set_positions<double>(chain_, state.q, joints_);
-    plant_.place(joints_);
+    plant_.place(state.q);
     plant_.accelerations(state.qd, state.T, {}, numbers_);
   }
   /// T or qdd of the last call.
@@ -81,9 +75,7 @@ class Scalar {
   };
   OperationalSpace<double> space_;
   ForwardDynamics<double> plant_;
-  std::vector<JointPosition<double>> joints_;
   std::vector<double> numbers_;
-  const Chain<double>& chain_;
   std::vector<Row> rows_;
   TaskRows all_ = all_rows();
 };
