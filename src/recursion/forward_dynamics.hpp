@@ -48,8 +48,7 @@ class BasicForwardDynamics {
     inlined<S>([&] { sweep_velocities(arm_, JointList<H>{order_, qd}, ground_, x_); });
   }
 
-  /// qdd for joint torques T (friction already subtracted) and the wrench F_ext
-  /// on the tip. After move().
+  /// qdd for joint torques T (friction already subtracted) and the wrench F_ext on the tip. After move().
   void accelerations(std::span<const S> T, const Vec<Force, S>& F_ext, std::span<S> qdd) {
     give_joint_entries<H>(order_, T, [&](int k, const auto& entry) { x_[k].T0 = entry; });
     inlined<S>([&] { sweeps_after_velocities(F_ext, qdd); });
