@@ -18,19 +18,11 @@ struct Recursions {
     plant.accelerations(state.qd, state.T, {}, answer.qdd);
   }
 
-  void four_sweeps(const State& state, Answer& answer) {
+  /// sweep(): those before the solve.
+  template <class Sweep>
+  void task(const State& state, Answer& answer, const Sweep& sweep) {
     space.place(state.q);
-    space.sweep(state.qd);
-    finish(state, answer);
-  }
-
-  void from_tip(const State& state, Answer& answer) {
-    space.place(state.q);
-    space.sweep_from_tip(state.qd);
-    finish(state, answer);
-  }
-
-  void finish(const State& state, Answer& answer) {
+    sweep();
     const auto& u = state.u;
     const Vec<Motion, double> right =
         space.right_side() + Vec<Motion, double>{{u[0], u[1], u[2]}, {u[3], u[4], u[5]}};
@@ -58,7 +50,7 @@ VectorX<double> vector_of(const std::vector<double>& list) {
 void add_recursions(const Chain<double>& chain, std::vector<Route>& routes) {
   const auto ours = std::make_shared<Recursions>(chain);
   routes.push_back({"ours", "four sweeps", Call::task,
-                    [ours](const State& s, Answer& a) { ours->four_sweeps(s, a); },
+                    [ours](const State& s, Answer& a) { ours->task(s, a, [&] { ours->space.sweep(s.qd); }); },
                     [ours](double* out) { ours->read_Omega(out); }});
   routes.push_back({"ours",
                     "sweeps 1, 2, accelerations",
@@ -69,9 +61,10 @@ void add_recursions(const Chain<double>& chain, std::vector<Route>& routes) {
 
 void add_column_form(const Chain<double>& chain, std::vector<Route>& routes) {
   const auto ours = std::make_shared<Recursions>(chain);
-  routes.push_back({"ours", "columns for sweep 3", Call::task,
-                    [ours](const State& s, Answer& a) { ours->from_tip(s, a); },
-                    [ours](double* out) { ours->read_Omega(out); }});
+  routes.push_back(
+      {"ours", "columns for sweep 3", Call::task,
+       [ours](const State& s, Answer& a) { ours->task(s, a, [&] { ours->space.sweep_from_tip(s.qd); }); },
+       [ours](double* out) { ours->read_Omega(out); }});
 }
 
 void add_dense(const Chain<double>& chain, std::vector<Route>& routes) {
