@@ -178,7 +178,7 @@ std::string report(const Experiment& experiment, const RunResult& r) {
       r.rhs_evaluations, r.end_time, r.times.simulation > 0 ? r.end_time / r.times.simulation : 0.0);
   if (experiment.integrator.method == Method::bdf)
     add(out, "Jacobian of bdf: %s\n", r.automatic_jacobian ? "in closed form" : "by differences");
-  add(out, "wall time: simulation %.3f s, shadow run %.3f s, checking %.3f s, recording %.3f s\n",
+  add(out, "wall time: simulation %.4f s, shadow run %.4f s, checking %.4f s, recording %.4f s\n",
       r.times.simulation, r.times.shadow, r.times.checking, r.times.recording);
   return out;
 }
