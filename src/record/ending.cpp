@@ -14,7 +14,7 @@ using hdf5::Creator;
 using hdf5::Handle;
 using hdf5::stored_type;
 
-void write_verdict(const Creator& create, const std::vector<VerdictRow>& rows) {
+void write_verdict(Creator& create, const std::vector<VerdictRow>& rows) {
   std::vector<std::string> claims, equations, reasons;
   for (const VerdictRow& row : rows) {
     claims.push_back(row.claim);
@@ -22,10 +22,10 @@ void write_verdict(const Creator& create, const std::vector<VerdictRow>& rows) {
     reasons.push_back(row.reason);
   }
   const Handle claim = create.strings("verdict/claim", claims, false, "claim checked along the trajectory");
-  create.make_scale(claim, "claim");
+  create.make_scale(claim, "verdict/claim");
   const auto along_claim = [&](const std::string& where, const std::vector<std::string>& values,
                                const std::string& long_name) {
-    create.attach(create.strings(where, values, false, long_name), where, claim, 0);
+    create.attach(create.strings(where, values, false, long_name), where, {"verdict/claim"});
   };
   const auto numbers = [&]<class T>(const std::string& where, T VerdictRow::*member, Kind kind,
                                     const std::string& unit, const std::string& long_name) {
@@ -33,7 +33,7 @@ void write_verdict(const Creator& create, const std::vector<VerdictRow>& rows) {
     for (const VerdictRow& row : rows) values.push_back(static_cast<double>(row.*member));
     Handle made =
         create.dataset(where, stored_type(kind), {rows.size()}, {}, kind == Kind::real, unit, long_name);
-    create.attach(made, where, claim, 0);
+    create.attach(made, where, {"verdict/claim"});
     create.write(made, where, H5T_NATIVE_DOUBLE, values.data());
     return made;
   };
@@ -53,13 +53,8 @@ void write_verdict(const Creator& create, const std::vector<VerdictRow>& rows) {
 }
 
 /// Axes, then what lies along them and along those that the file has already.
-void write_along_axes(hid_t file, const Check& check, const Creator& create, const Ending& ending,
-                      const FixedAxes& sizes) {
+void write_along_axes(Creator& create, const Ending& ending, const FixedAxes& sizes) {
   for (const Axis& axis : ending.axes) create.fixed_axis(axis);
-  const auto attach = [&](hid_t made, const std::string& where, const std::string& axis, std::size_t i) {
-    const Handle scale = check(H5Dopen2(file, axis.c_str(), H5P_DEFAULT), H5Dclose, "open", axis);
-    create.attach(made, where, scale, i);
-  };
   for (const Table& table : ending.tables) {
     std::vector<hsize_t> extent;
     for (const std::string& axis : table.axes) extent.push_back(sizes.at(axis));
@@ -67,11 +62,11 @@ void write_along_axes(hid_t file, const Check& check, const Creator& create, con
         std::any_of(table.values.begin(), table.values.end(), [](double x) { return std::isnan(x); });
     const Handle made =
         create.dataset(table.path, H5T_IEEE_F64LE, extent, {}, holes, table.unit, table.long_name);
-    for (std::size_t i = 0; i < table.axes.size(); ++i) attach(made, table.path, table.axes[i], i);
+    create.attach(made, table.path, table.axes);
     create.write(made, table.path, H5T_NATIVE_DOUBLE, table.values.data());
   }
   for (const StringList& list : ending.lists)
-    attach(create.strings(list.path, list.values, false, list.long_name), list.path, list.axis, 0);
+    create.attach(create.strings(list.path, list.values, false, list.long_name), list.path, {list.axis});
 }
 
 }  // namespace
@@ -118,14 +113,15 @@ FixedAxes checked_axes(const Ending& ending, const FixedAxes& layout) {
 
 void write_ending(hid_t file, const Check& check, const std::string& status, const std::string& verdict,
                   const Ending& ending, const FixedAxes& sizes) {
-  const Creator create(file, check);
+  Creator create(file, check);
   if (!ending.rows.empty()) write_verdict(create, ending.rows);
   for (const Scalar& scalar : ending.scalars) {
     const Handle made =
         create.dataset(scalar.path, H5T_IEEE_F64LE, {}, {}, true, scalar.unit, scalar.long_name);
     create.write(made, scalar.path, H5T_NATIVE_DOUBLE, &scalar.value);
   }
-  write_along_axes(file, check, create, ending, sizes);
+  write_along_axes(create, ending, sizes);
+  create.write_references();
   const Handle root = check(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "open the root group");
   const Handle attribute = check(H5Aopen(root, "status", H5P_DEFAULT), H5Aclose, "open attribute", "status");
   const char* const text = status.c_str();

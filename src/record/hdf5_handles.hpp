@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,6 +15,8 @@
 #include "record/result_file.hpp"
 
 namespace osculate::hdf5 {
+
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 /// An HDF5 identifier and the function that closes it. Closing in the destructor ignores errors: files are
 /// closed by `close`, which tells of them.
@@ -116,8 +119,16 @@ inline Handle file_access(bool lock) {
   Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-  H5Pset_sieve_buf_size(access, 0);  // what is written reaches the file, or fails, at once
+  H5Pset_sieve_buf_size(access, 0);        // what is written reaches the file, or fails, at once
+  H5Pset_cache(access, 0, 7, 65536, 1.0);  // one chunk of each variable: they are written once, never read
   H5Pset_file_locking(access, lock, true);
+  return access;
+}
+
+/// The same for a file that is made in memory and written, in one piece, when it is closed.
+inline Handle file_access_in_memory(bool lock) {
+  Handle access = file_access(lock);
+  H5Pset_fapl_core(access, 1u << 14, true);
   return access;
 }
 

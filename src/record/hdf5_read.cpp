@@ -135,10 +135,10 @@ hsize_t readable_rows(const Source& source, const std::function<void()>& alive) 
     unsigned filters = 0;
     haddr_t address = HADDR_UNDEF;
     hsize_t bytes = 0;
-    const herr_t known =
-        H5Dget_chunk_info_by_coord(source.dataset, corner.data(), &filters, &address, &bytes);
     const hsize_t count = std::min(source.chunk_rows, source.extent[0] - row);
-    if (known < 0 || address == HADDR_UNDEF || !read_rows(source, row, count, values)) return row;
+    if (H5Dget_chunk_info_by_coord(source.dataset, corner.data(), &filters, &address, &bytes) < 0 ||
+        (source.is_axis && address == HADDR_UNDEF) || !read_rows(source, row, count, values))
+      return row;
   }
   return source.extent[0];
 }
@@ -180,6 +180,7 @@ void read_dataset(Handle dataset, const std::string& where, const Check& check, 
   const std::string long_name = text_or_empty(dataset, "long_name");
   const bool grows = rank > 0 && largest[0] == H5S_UNLIMITED;
   const bool is_axis = H5DSis_scale(dataset) > 0;
+  source.is_axis = is_axis;
   const auto axes = is_axis ? std::vector<std::string>{where} : axes_of(dataset, rank);
   require(!is_axis || rank == 1, where, "is an axis of more than one dimension", check);
   product(source.extent, 1, limits::row_values, where, check);

@@ -19,6 +19,7 @@ struct Source {
   std::vector<hsize_t> extent = {};
   hsize_t chunk_rows = 1;
   std::string path = {};
+  bool is_axis = false;
 
   std::size_t count() const {
     std::size_t n = 1;
@@ -56,8 +57,8 @@ std::string text_or_empty(hid_t object, const char* name);
 
 /// Reads rows [first, first + count) as doubles. False if the disk does not have them whole.
 bool read_rows(const Source& source, hsize_t first, hsize_t count, std::vector<double>& values);
-/// Rows whose chunks are on disk and can be read, counted from the first. An extent may be ahead of its
-/// chunks.
+/// Rows whose chunks are on disk and can be read, counted from the first. The extent of an axis may be ahead
+/// of its chunks; a variable has none where it holds nothing but its fill value.
 hsize_t readable_rows(
     const Source& source, const std::function<void()>& alive = [] {});
 /// Appends the first rows of an axis and its variables to a file with the same layout.

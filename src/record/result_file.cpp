@@ -1,91 +1,34 @@
 #include "record/result_file.hpp"
 
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <bit>
+#include <cerrno>
 #include <chrono>
-#include <cmath>
-#include <cstdint>
+#include <cstring>
 #include <map>
 #include <set>
 
 #include "record/ending.hpp"
 #include "record/hdf5_create.hpp"
+#include "record/track.hpp"
 
 namespace osculate {
 namespace {
 
 using hdf5::Check;
+using hdf5::Column;
 using hdf5::Creator;
 using hdf5::Handle;
 using hdf5::stored_type;
-using hdf5::tracked;
+using hdf5::Track;
 using std::filesystem::path;
 
 using Clock = std::chrono::steady_clock;
 /// Chunks that fill slowly are written as far as they have come this often: a killed run loses no more.
 constexpr std::chrono::seconds flush_every{1};
-
-/// Rows in a chunk: the power of two in [16, 256] that keeps a chunk of the widest variable within 64 KiB.
-hsize_t rows_in_chunk(std::size_t widest_row_bytes) {
-  hsize_t rows = 256;
-  while (rows > 16 && rows * widest_row_bytes > 65536) rows /= 2;
-  return rows;
-}
-
-/// One recorded variable: its place in an appended row and its dataset.
-struct Column {
-  std::string path;
-  Handle dataset = {};
-  Kind kind = Kind::real;
-  bool may_be_missing = false;
-  std::size_t first = 0;        // index in the row
-  std::size_t count = 1;        // values in the row
-  std::vector<hsize_t> extent;  // of one row: 1, then the fixed axes
-};
-
-/// Everything recorded along one unlimited axis. columns[0] is the axis itself.
-struct Track {
-  std::vector<Column> columns;
-  std::size_t row_size = 0;
-  hsize_t chunk_rows = 0;
-  hsize_t written_rows = 0;    // in whole chunks
-  std::vector<double> buffer;  // whole rows; never more than chunk_rows of them
-  hsize_t flushed_rows = 0;    // of the buffer, in a part-full chunk
-
-  hsize_t buffered_rows() const { return buffer.size() / row_size; }
-};
-
-void require_storable(const Column& column, std::span<const double> values) {
-  for (const double value : values) {
-    if (std::isnan(value) && !column.may_be_missing)
-      throw std::invalid_argument(column.path +
-                                  ": NaN, but this variable is not declared as one that may be missing");
-    const double limit = column.kind == Kind::small ? 0x1p7 : 0x1p63;
-    if (column.kind != Kind::real && !(value >= -limit && value < limit && value == std::trunc(value)))
-      throw std::invalid_argument(column.path + ": " + std::to_string(value) +
-                                  " does not fit its integer type");
-  }
-}
-
-/// The rows of one column, contiguous, each value as `stored` makes it of a double.
-template <class T, class Stored>
-std::span<const T> gather(const Track& track, const Column& column, std::vector<T>& block,
-                          const Stored& stored) {
-  block.resize(track.buffered_rows() * column.count);
-  const double* values = track.buffer.data() + column.first;
-  for (auto at = block.begin(); at != block.end(); values += track.row_size)
-    for (std::size_t i = 0; i < column.count; ++i) *at++ = stored(values[i]);
-  return block;
-}
-
-/// How many values of a block of whole rows equal the one in the row before.
-std::size_t repeated(std::span<const std::uint64_t> block, std::size_t row) {
-  std::size_t count = 0;
-  for (std::size_t i = row; i < block.size(); ++i) count += block[i] == block[i - row];
-  return count;
-}
 
 /// Device and inode: tells whether a name still means the same file.
 std::pair<dev_t, ino_t> identity(const path& file) {
@@ -111,22 +54,27 @@ struct ResultFile::Impl {
   std::map<std::string, Track> tracks;
   FixedAxes fixed;
   std::pair<dev_t, ino_t> id;
-  std::vector<std::uint64_t> words;  // one column of a chunk on its way
-  std::vector<std::int8_t> bytes;
-  Clock::time_point flushed_at = Clock::now();
+  hdf5::ColumnWriter columns;
+  Clock::time_point flushed_at = Clock::now(), until;  // until: the file may stay in memory
+  bool in_memory = true;
   enum class State { writing, finished, write_failed } state = State::writing;
 
-  Impl(const path& where, const Layout& layout, bool force);
+  Impl(const path& where, const Layout& layout, bool force, std::chrono::milliseconds stays_in_memory);
   ~Impl();
   void create_objects(const Layout& layout);
+  void go_to_disk();
+  bool make_unless_there(const path& temporary) const;
+  void remove_temporary();
+  void finish_in_memory(const std::string& status, const std::string& verdict, const Ending& ending,
+                        const FixedAxes& sizes);
   void write_rows(Track& track);
   void flush_rows(Track& track);
-  void write_column(Track& track, Column& column, hsize_t rows);
   void close_file();
 };
 
-ResultFile::Impl::Impl(const path& where, const Layout& layout, bool force)
-    : name(std::filesystem::absolute(where)), check{where, ""} {
+ResultFile::Impl::Impl(const path& where, const Layout& layout, bool force,
+                       std::chrono::milliseconds stays_in_memory)
+    : name(std::filesystem::absolute(where)), check{where, ""}, until(Clock::now() + stays_in_memory) {
   hdf5::prepare_library();
   std::error_code ignored;
   const path directory = name.parent_path();
@@ -140,30 +88,87 @@ ResultFile::Impl::Impl(const path& where, const Layout& layout, bool force)
 
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   H5Pset_obj_track_times(creation, false);
-  H5Pset_link_creation_order(creation, tracked);
-  H5Pset_attr_creation_order(creation, tracked);
+  hdf5::set_group_properties(creation);
   const path temporary = temporary_name(name);
-  file = check(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, creation, hdf5::file_access(true)), H5Fclose,
-               "create");
+  const bool made = make_unless_there(temporary);
+  const Handle access = hdf5::file_access_in_memory(true);
+  file = Handle(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose);
+  if (file < 0) {
+    if (made) remove_temporary();  // else it may be of another run that goes on
+    check.fail("create", "");
+  }
   try {
     create_objects(layout);
-    check(H5Fstart_swmr_write(file), "start single-writer-multiple-reader mode");
-    id = identity(temporary);
-    rename_or_fail(temporary, name);
+    if (stays_in_memory.count() == 0) go_to_disk();
   } catch (...) {
     tracks.clear();
     file.close();
-    std::filesystem::remove(temporary, ignored);
+    remove_temporary();
     throw;
   }
-  check.remedy = "what was written before is safe: 'osculate recover " + where.string() +
+}
+
+/// What was made in memory becomes a file, which takes its name, and is open in single-writer-multiple-reader
+/// mode from here on.
+void ResultFile::Impl::go_to_disk() {
+  const path temporary = temporary_name(name);
+  in_memory = false;
+  state = State::write_failed;  // stays so if anything throws
+  try {
+    close_file();
+    file = check(H5Fopen(temporary.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, hdf5::file_access(true)),
+                 H5Fclose, "start single-writer-multiple-reader mode");
+    for (auto& [axis, track] : tracks)
+      for (Column& column : track.columns)
+        column.dataset =
+            check(H5Dopen2(file, column.path.c_str(), H5P_DEFAULT), H5Dclose, "open", column.path);
+    id = identity(temporary);
+    rename_or_fail(temporary, name);
+  } catch (...) {
+    remove_temporary();
+    throw;
+  }
+  check.remedy = "what was written before is safe: 'osculate recover " + check.file.string() +
                  "' makes a finished file of it";
+  state = State::writing;
+}
+
+/// True if it was not there before. Throws FileError with the reason: HDF5 does not tell it for a file in
+/// memory.
+bool ResultFile::Impl::make_unless_there(const path& temporary) const {
+  int file_there = ::open(temporary.c_str(), O_CREAT | O_EXCL | O_WRONLY, 0666);
+  const bool made = file_there >= 0;
+  if (!made && errno == EEXIST) file_there = ::open(temporary.c_str(), O_WRONLY);
+  if (file_there < 0) throw FileError(check.file.string() + ": cannot create: " + std::strerror(errno));
+  ::close(file_there);
+  return made;
+}
+
+void ResultFile::Impl::remove_temporary() {
+  std::error_code ignored;
+  std::filesystem::remove(temporary_name(name), ignored);
+}
+
+/// A run that is over while its file is in memory.
+void ResultFile::Impl::finish_in_memory(const std::string& status, const std::string& verdict,
+                                        const Ending& ending, const FixedAxes& sizes) {
+  try {
+    write_ending(file, check, status, verdict, ending, sizes);
+    close_file();
+    rename_or_fail(temporary_name(name), name);
+  } catch (...) {
+    remove_temporary();
+    throw;
+  }
 }
 
 /// After a failed write HDF5 must not close the file: it would mark it as closed well while its end is
 /// missing. Left as it is (one file descriptor stays open until the process ends) it is what a killed run
 /// leaves.
 ResultFile::Impl::~Impl() {
+  if (in_memory && state == State::writing) try {
+      go_to_disk();
+    } catch (...) {}
   if (state != State::write_failed) return;
   for (auto& [axis, track] : tracks)
     for (Column& column : track.columns) column.dataset.abandon();
@@ -171,7 +176,7 @@ ResultFile::Impl::~Impl() {
 }
 
 void ResultFile::Impl::create_objects(const Layout& layout) {
-  const Creator create(file, check);
+  Creator create(file, check);
   const Handle root = check(H5Gopen2(file, "/", H5P_DEFAULT), H5Gclose, "open the root group");
   create.text_attribute(root, "title", layout.title);
   create.text_attribute(root, "Conventions", "CF-1.8");
@@ -208,14 +213,13 @@ void ResultFile::Impl::create_objects(const Layout& layout) {
     widest[variable.axes[0]] = std::max(widest[variable.axes[0]], count);
   }
 
-  std::map<std::string, Handle> scales;  // of the fixed axes
   for (const Axis& axis : layout.axes) {
     if (axis.fixed()) {
-      scales.emplace(axis.name, create.fixed_axis(axis));
+      create.fixed_axis(axis);
       continue;
     }
     Track& track = tracks[axis.name];
-    track.chunk_rows = rows_in_chunk(widest[axis.name] * sizeof(double));
+    track.chunk_rows = hdf5::rows_in_chunk(widest[axis.name] * sizeof(double));
     track.row_size = 1;
     Column column{.path = axis.name, .extent = {1}};
     column.dataset =
@@ -223,9 +227,6 @@ void ResultFile::Impl::create_objects(const Layout& layout) {
     create.make_scale(column.dataset, axis.name);
     track.columns.push_back(std::move(column));
   }
-  const auto scale_of = [&](const std::string& axis) -> hid_t {
-    return axes.at(axis)->fixed() ? scales.at(axis) : tracks.at(axis).columns[0].dataset;
-  };
 
   for (const Variable& variable : layout.variables) {
     Track& track = tracks.at(variable.axes[0]);
@@ -243,66 +244,18 @@ void ResultFile::Impl::create_objects(const Layout& layout) {
     extent[0] = 0;
     column.dataset = create.dataset(variable.path, stored_type(variable.kind), extent, chunk,
                                     variable.may_be_missing, variable.unit, variable.long_name);
-    for (std::size_t i = 0; i < variable.axes.size(); ++i)
-      create.attach(column.dataset, variable.path, scale_of(variable.axes[i]), i);
+    create.attach(column.dataset, variable.path, variable.axes);
     track.row_size += column.count;
     track.columns.push_back(std::move(column));
   }
   for (const StringList& list : layout.lists) {
     require_fits(list, find_axis(list.axis, list.path).size());
     const Handle made = create.strings(list.path, list.values, false, list.long_name);
-    create.attach(made, list.path, scale_of(list.axis), 0);
+    create.attach(made, list.path, {list.axis});
   }
   for (const Text& text : layout.texts) create.strings(text.path, {text.value}, true, text.long_name);
+  create.write_references();
   for (auto& [axis, track] : tracks) track.buffer.reserve(track.chunk_rows * track.row_size);
-}
-
-void ResultFile::Impl::write_column(Track& track, Column& column, hsize_t rows) {
-  std::vector<hsize_t> start(column.extent.size(), 0), count = column.extent, extent = column.extent;
-  start[0] = track.written_rows;
-  count[0] = rows;
-  extent[0] = track.written_rows + rows;
-  check(H5Dset_extent(column.dataset, extent.data()), "extend", column.path);
-  const auto small = [](double x) { return static_cast<std::int8_t>(x); };
-  const auto word = [&column](double x) {
-    return column.kind == Kind::real ? std::bit_cast<std::uint64_t>(x)
-                                     : static_cast<std::uint64_t>(static_cast<std::int64_t>(x));
-  };
-  // Compressing a smooth record costs more than simulating it and saves a third: a chunk in which few values
-  // repeat those of the row before is stored as it is, past the filters. The last one is filled up with
-  // zeros.
-  // So is a chunk that is written part full: to fill it up then changes none of the bytes that are there, so
-  // that a run that is killed meanwhile leaves the rows before whole.
-  const auto store = [&](auto& block) {
-    block.resize(track.chunk_rows * column.count);
-    constexpr std::uint32_t no_filter = 0xffffffff;
-    check(H5Dwrite_chunk(column.dataset, H5P_DEFAULT, no_filter, start.data(), block.size() * sizeof block[0],
-                         block.data()),
-          "write", column.path);
-    check(H5Dflush(column.dataset), "write", column.path);
-  };
-  if (std::endian::native == std::endian::little) {
-    if (column.kind != Kind::small) {
-      const std::span<const std::uint64_t> block = gather(track, column, words, word);
-      if (track.flushed_rows > 0 || 2 * repeated(block, column.count) < block.size()) return store(words);
-    } else if (track.flushed_rows > 0) {
-      gather(track, column, bytes, small);
-      return store(bytes);
-    }
-  }
-  const Handle target = check(H5Dget_space(column.dataset), H5Sclose, "write", column.path);
-  check(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), "write",
-        column.path);
-  const Handle source(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose);
-  const auto write = [&](hid_t type, const auto& block) {
-    check(H5Dwrite(column.dataset, type, source, target, H5P_DEFAULT, block.data()), "write", column.path);
-  };
-  if (column.kind == Kind::small)
-    write(H5T_NATIVE_INT8, gather(track, column, bytes, small));
-  else
-    write(column.kind == Kind::real ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64,
-          gather(track, column, words, word));
-  check(H5Dflush(column.dataset), "write", column.path);
 }
 
 /// Writes the buffered rows of every variable of the track; the axis last, so that a reader who goes by its
@@ -310,7 +263,7 @@ void ResultFile::Impl::write_column(Track& track, Column& column, hsize_t rows) 
 void ResultFile::Impl::write_rows(Track& track) {
   state = State::write_failed;  // stays so if a write throws
   for (std::size_t i = track.columns.size(); i-- > 0;)
-    write_column(track, track.columns[i], track.buffered_rows());
+    columns.write(track, track.columns[i], !in_memory, check);
   state = State::writing;
 }
 
@@ -325,11 +278,12 @@ void ResultFile::Impl::flush_rows(Track& track) {
 void ResultFile::Impl::close_file() {
   for (auto& [axis, track] : tracks)
     for (Column& column : track.columns) column.dataset.close();
-  check(file.close(), "close");
+  check(file.close(), "write");
 }
 
-ResultFile::ResultFile(const path& file, const Layout& layout, bool force)
-    : impl_(std::make_unique<Impl>(file, layout, force)) {}
+ResultFile::ResultFile(const path& file, const Layout& layout, bool force,
+                       std::chrono::milliseconds in_memory)
+    : impl_(std::make_unique<Impl>(file, layout, force, in_memory)) {}
 
 ResultFile::~ResultFile() = default;
 ResultFile::ResultFile(ResultFile&&) noexcept = default;
@@ -351,6 +305,7 @@ void ResultFile::flush(const std::string& axis) {
   row_size(axis);
   Track& track = impl_->tracks.at(axis);
   if (track.buffered_rows() == track.flushed_rows) return;
+  if (impl_->in_memory) impl_->go_to_disk();
   track.flushed_rows = track.buffered_rows();
   impl_->write_rows(track);
 }
@@ -374,9 +329,11 @@ void ResultFile::append(const std::string& axis, std::span<const double> row) {
     require_storable(column, row.subspan(column.first, column.count));
   track.buffer.insert(track.buffer.end(), row.begin(), row.end());
   if (track.buffered_rows() == track.chunk_rows) impl_->flush_rows(track);
-  if (Clock::now() - impl_->flushed_at < flush_every) return;
+  const Clock::time_point now = Clock::now();
+  if (impl_->in_memory && now >= impl_->until) impl_->go_to_disk();
+  if (now - impl_->flushed_at < flush_every) return;
   for (const auto& [name, slow] : impl_->tracks) flush(name);
-  impl_->flushed_at = Clock::now();
+  impl_->flushed_at = now;
 }
 
 // The final changes are made in a copy that then takes the name, because HDF5 writes them in no safe order:
@@ -388,6 +345,10 @@ void ResultFile::finish(const std::string& status, const std::string& verdict, c
     throw std::logic_error("finish of a result file that is finished or could not be written");
   const FixedAxes sizes = checked_axes(ending, impl.fixed);
   for (auto& [axis, track] : impl.tracks) impl.flush_rows(track);
+  if (impl.in_memory) {
+    impl.state = Impl::State::finished;
+    return impl.finish_in_memory(status, verdict, ending, sizes);
+  }
   if (identity(impl.name) != impl.id)
     throw FileError(impl.check.file.string() + ": was replaced or removed by someone else during the run");
   impl.state = Impl::State::finished;

@@ -2,6 +2,7 @@
 // Nothing numeric happens here; what the variables mean is decided by the caller's Layout.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -98,8 +99,15 @@ struct Ending {
 
 class ResultFile {
  public:
-  /// Creates the file. Throws FileError if it exists and `force` is false, or if it cannot be written.
-  ResultFile(const std::filesystem::path& file, const Layout& layout, bool force);
+  /// A file whose run is over by then is made in memory and written once: a run of milliseconds would else
+  /// wait for its file several times as long.
+  static constexpr std::chrono::milliseconds stays_in_memory{200};
+
+  /// Creates the file: under a temporary name that it keeps while it stays in memory, at most `in_memory` and
+  /// then until the next row comes; from then on rows reach the disk as `append` says. Throws FileError if it
+  /// exists and `force` is false, or if it cannot be written.
+  ResultFile(const std::filesystem::path& file, const Layout& layout, bool force,
+             std::chrono::milliseconds in_memory = stays_in_memory);
   ~ResultFile();  // leaves an unfinished file as a killed run would; never throws
   ResultFile(ResultFile&&) noexcept;
 
@@ -124,9 +132,10 @@ class ResultFile {
   /// Values in one row of `append` along this axis.
   std::size_t row_size(const std::string& axis) const;
 
-  /// Writes the tail, leaves SWMR mode, reopens, writes /verdict, the rest of the ending and the final root
-  /// attributes (status: complete | failed | interrupted; verdict: pass | fail | as_expected), closes. Throws
-  /// std::invalid_argument, and changes nothing, if the ending does not fit the layout or itself.
+  /// Writes the tail, leaves SWMR mode and reopens the file unless it is still in memory, writes /verdict,
+  /// the rest of the ending and the final root attributes (status: complete | failed | interrupted; verdict:
+  /// pass | fail | as_expected), closes. Throws std::invalid_argument, and changes nothing, if the ending
+  /// does not fit the layout or itself.
   void finish(const std::string& status, const std::string& verdict, const Ending& ending = {});
 
  private:

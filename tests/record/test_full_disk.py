@@ -14,7 +14,7 @@ def run(writer, path, rows, limit):
 
 
 def refused_while_recording(writer, directory):
-    for limit in (60_000, 200_000, 203_000, 777_777):
+    for limit in (80_000, 200_000, 203_000, 777_777):
         path = f"{directory}/limited{limit}.h5"
         failed = run(writer, path, 0, limit)
         assert failed.returncode == 4, failed
