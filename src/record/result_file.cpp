@@ -55,26 +55,22 @@ struct ResultFile::Impl {
   FixedAxes fixed;
   std::pair<dev_t, ino_t> id;
   hdf5::ColumnWriter columns;
-  Clock::time_point flushed_at = Clock::now(), until;  // until: the file may stay in memory
-  bool in_memory = true;
+  Clock::time_point flushed_at = Clock::now();
   enum class State { writing, finished, write_failed } state = State::writing;
 
-  Impl(const path& where, const Layout& layout, bool force, std::chrono::milliseconds stays_in_memory);
+  Impl(const path& where, const Layout& layout, bool force);
   ~Impl();
   void create_objects(const Layout& layout);
   void go_to_disk();
   bool make_unless_there(const path& temporary) const;
   void remove_temporary();
-  void finish_in_memory(const std::string& status, const std::string& verdict, const Ending& ending,
-                        const FixedAxes& sizes);
   void write_rows(Track& track);
   void flush_rows(Track& track);
   void close_file();
 };
 
-ResultFile::Impl::Impl(const path& where, const Layout& layout, bool force,
-                       std::chrono::milliseconds stays_in_memory)
-    : name(std::filesystem::absolute(where)), check{where, ""}, until(Clock::now() + stays_in_memory) {
+ResultFile::Impl::Impl(const path& where, const Layout& layout, bool force)
+    : name(std::filesystem::absolute(where)), check{where, ""} {
   hdf5::prepare_library();
   std::error_code ignored;
   const path directory = name.parent_path();
@@ -99,7 +95,7 @@ ResultFile::Impl::Impl(const path& where, const Layout& layout, bool force,
   }
   try {
     create_objects(layout);
-    if (stays_in_memory.count() == 0) go_to_disk();
+    go_to_disk();
   } catch (...) {
     tracks.clear();
     file.close();
@@ -108,11 +104,10 @@ ResultFile::Impl::Impl(const path& where, const Layout& layout, bool force,
   }
 }
 
-/// What was made in memory becomes a file, which takes its name, and is open in single-writer-multiple-reader
-/// mode from here on.
+/// What was made in memory, where it costs less than half, becomes a file, which takes its name, and is open
+/// in single-writer-multiple-reader mode from here on.
 void ResultFile::Impl::go_to_disk() {
   const path temporary = temporary_name(name);
-  in_memory = false;
   state = State::write_failed;  // stays so if anything throws
   try {
     close_file();
@@ -149,26 +144,10 @@ void ResultFile::Impl::remove_temporary() {
   std::filesystem::remove(temporary_name(name), ignored);
 }
 
-/// A run that is over while its file is in memory.
-void ResultFile::Impl::finish_in_memory(const std::string& status, const std::string& verdict,
-                                        const Ending& ending, const FixedAxes& sizes) {
-  try {
-    write_ending(file, check, status, verdict, ending, sizes);
-    close_file();
-    rename_or_fail(temporary_name(name), name);
-  } catch (...) {
-    remove_temporary();
-    throw;
-  }
-}
-
 /// After a failed write HDF5 must not close the file: it would mark it as closed well while its end is
 /// missing. Left as it is (one file descriptor stays open until the process ends) it is what a killed run
 /// leaves.
 ResultFile::Impl::~Impl() {
-  if (in_memory && state == State::writing) try {
-      go_to_disk();
-    } catch (...) {}
   if (state != State::write_failed) return;
   for (auto& [axis, track] : tracks)
     for (Column& column : track.columns) column.dataset.abandon();
@@ -262,8 +241,7 @@ void ResultFile::Impl::create_objects(const Layout& layout) {
 /// length finds the others there.
 void ResultFile::Impl::write_rows(Track& track) {
   state = State::write_failed;  // stays so if a write throws
-  for (std::size_t i = track.columns.size(); i-- > 0;)
-    columns.write(track, track.columns[i], !in_memory, check);
+  for (std::size_t i = track.columns.size(); i-- > 0;) columns.write(track, track.columns[i], check);
   state = State::writing;
 }
 
@@ -281,9 +259,8 @@ void ResultFile::Impl::close_file() {
   check(file.close(), "write");
 }
 
-ResultFile::ResultFile(const path& file, const Layout& layout, bool force,
-                       std::chrono::milliseconds in_memory)
-    : impl_(std::make_unique<Impl>(file, layout, force, in_memory)) {}
+ResultFile::ResultFile(const path& file, const Layout& layout, bool force)
+    : impl_(std::make_unique<Impl>(file, layout, force)) {}
 
 ResultFile::~ResultFile() = default;
 ResultFile::ResultFile(ResultFile&&) noexcept = default;
@@ -305,7 +282,6 @@ void ResultFile::flush(const std::string& axis) {
   row_size(axis);
   Track& track = impl_->tracks.at(axis);
   if (track.buffered_rows() == track.flushed_rows) return;
-  if (impl_->in_memory) impl_->go_to_disk();
   track.flushed_rows = track.buffered_rows();
   impl_->write_rows(track);
 }
@@ -330,7 +306,6 @@ void ResultFile::append(const std::string& axis, std::span<const double> row) {
   track.buffer.insert(track.buffer.end(), row.begin(), row.end());
   if (track.buffered_rows() == track.chunk_rows) impl_->flush_rows(track);
   const Clock::time_point now = Clock::now();
-  if (impl_->in_memory && now >= impl_->until) impl_->go_to_disk();
   if (now - impl_->flushed_at < flush_every) return;
   for (const auto& [name, slow] : impl_->tracks) flush(name);
   impl_->flushed_at = now;
@@ -345,10 +320,6 @@ void ResultFile::finish(const std::string& status, const std::string& verdict, c
     throw std::logic_error("finish of a result file that is finished or could not be written");
   const FixedAxes sizes = checked_axes(ending, impl.fixed);
   for (auto& [axis, track] : impl.tracks) impl.flush_rows(track);
-  if (impl.in_memory) {
-    impl.state = Impl::State::finished;
-    return impl.finish_in_memory(status, verdict, ending, sizes);
-  }
   if (identity(impl.name) != impl.id)
     throw FileError(impl.check.file.string() + ": was replaced or removed by someone else during the run");
   impl.state = Impl::State::finished;

@@ -2,7 +2,6 @@
 // Nothing numeric happens here; what the variables mean is decided by the caller's Layout.
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -99,15 +98,8 @@ struct Ending {
 
 class ResultFile {
  public:
-  /// A file whose run is over by then is made in memory and written once: a run of milliseconds would else
-  /// wait for its file several times as long.
-  static constexpr std::chrono::milliseconds stays_in_memory{200};
-
-  /// Creates the file: under a temporary name that it keeps while it stays in memory, at most `in_memory` and
-  /// then until the next row comes; from then on rows reach the disk as `append` says. Throws FileError if it
-  /// exists and `force` is false, or if it cannot be written.
-  ResultFile(const std::filesystem::path& file, const Layout& layout, bool force,
-             std::chrono::milliseconds in_memory = stays_in_memory);
+  /// Creates the file. Throws FileError if it exists and `force` is false, or if it cannot be written.
+  ResultFile(const std::filesystem::path& file, const Layout& layout, bool force);
   ~ResultFile();  // leaves an unfinished file as a killed run would; never throws
   ResultFile(ResultFile&&) noexcept;
 

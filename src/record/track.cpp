@@ -56,7 +56,7 @@ void require_storable(const Column& column, std::span<const double> values) {
                                   " does not fit its integer type");
 }
 
-void ColumnWriter::write(const Track& track, const Column& column, bool to_disk, const Check& check) {
+void ColumnWriter::write(const Track& track, const Column& column, const Check& check) {
   std::vector<hsize_t> extent = column.extent;
   extent[0] = track.written_rows + track.buffered_rows();
   check(H5Dset_extent(column.dataset, extent.data()), "extend", column.path);
@@ -71,7 +71,7 @@ void ColumnWriter::write(const Track& track, const Column& column, bool to_disk,
     gather(track, column, words_, [](double x) { return std::bit_cast<std::uint64_t>(x); });
     write(track, column, H5T_NATIVE_DOUBLE, words_, check);
   }
-  if (to_disk) check(H5Dflush(column.dataset), "write", column.path);
+  check(H5Dflush(column.dataset), "write", column.path);
 }
 
 // Compressing a smooth record costs more than simulating it and saves a third: a chunk in which few values

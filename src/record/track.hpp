@@ -42,8 +42,8 @@ void require_storable(const Column& column, std::span<const double> values);
 /// Writes the buffered rows of columns.
 class ColumnWriter {
  public:
-  /// `to_disk`: at once; else when the file is closed. Throws FileError.
-  void write(const Track& track, const Column& column, bool to_disk, const Check& check);
+  /// Reaches the disk before it returns. Throws FileError.
+  void write(const Track& track, const Column& column, const Check& check);
 
  private:
   template <class T>

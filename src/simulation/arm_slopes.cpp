@@ -78,7 +78,7 @@ Matrix6 inertia_about(const RigidInertia<double>& M, const Three& r) {
 
 }  // namespace
 
-ArmSlopes::ArmSlopes(const Chain<double>& chain) : builder_(chain) {
+ArmSlopes::ArmSlopes(const Chain<double>& chain) : builder_(chain), arm_(builder_.arm()) {
   const Eigen::Index n = chain.n();
   for (auto* square : {&M, &T_q, &T_qd}) square->setZero(n, n);
   for (auto* columns : {&J, &V_q, &A_q, &A_qd, &V_, &A_, &w_, &y_}) columns->setZero(6, n);

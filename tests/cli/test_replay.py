@@ -360,7 +360,7 @@ class Resume(WithResults):
         self.identical(whole, target)
 
     def test_without_a_point_it_begins_at_the_start(self):
-        changes = ("duration=40",)  # longer than the file stays in memory
+        changes = ("duration=6",)
         out = self.stopped("puma560_circle", changes, signal.SIGKILL, points=0)
         target, said = self.resumed(out)
         self.assertIn("no restart point was reached: run again from the start", said)

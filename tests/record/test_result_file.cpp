@@ -6,9 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
-#include <thread>
 
-#include "record/difference.hpp"
 #include "record/result_file.hpp"
 #include "support/catch.hpp"
 
@@ -19,9 +17,6 @@ using std::filesystem::path;
 namespace {
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
-
-/// How long a file may stay in memory: not at all, or longer than any test.
-constexpr std::chrono::milliseconds on_disk{0}, long_enough{std::chrono::hours(1)};
 
 /// A directory of its own for each test case, removed at the end.
 struct Scratch {
@@ -78,9 +73,8 @@ void finish(ResultFile& file) {
   file.finish("complete", "pass", ending);
 }
 
-void write_finished(const path& where, const Layout& layout = small_layout(),
-                    std::chrono::milliseconds in_memory = on_disk) {
-  ResultFile file(where, layout, false, in_memory);
+void write_finished(const path& where, const Layout& layout = small_layout()) {
+  ResultFile file(where, layout, false);
   append_rows(file, 0, 700);
   finish(file);
 }
@@ -101,7 +95,7 @@ TEST_CASE("an existing file is kept unless forced") {
       Contains((scratch / "a.h5").string()) && Contains("exists already") && Contains("--force"));
   CHECK(bytes(scratch / "a.h5") == "precious");
   {
-    ResultFile file(scratch / "a.h5", small_layout(), true, on_disk);
+    ResultFile file(scratch / "a.h5", small_layout(), true);
     CHECK(bytes(scratch / "a.h5") != "precious");
     finish(file);
   }
@@ -141,7 +135,7 @@ TEST_CASE("places that cannot be written are named with the reason") {
 
 TEST_CASE("a row is the axis value and every variable in the order of the layout") {
   const Scratch scratch;
-  ResultFile file(scratch / "a.h5", small_layout(), false, on_disk);
+  ResultFile file(scratch / "a.h5", small_layout(), false);
   CHECK(file.row_size("time") == 4);
   CHECK(file.row_size("step") == 3);
   CHECK_THROWS_AS(file.row_size("joint"), std::invalid_argument);
@@ -152,7 +146,7 @@ TEST_CASE("a row is the axis value and every variable in the order of the layout
 TEST_CASE("a value that its variable cannot hold is refused, and its row with it") {
   const Scratch scratch;
   write_finished(scratch / "plain.h5");
-  ResultFile file(scratch / "a.h5", small_layout(), false, on_disk);
+  ResultFile file(scratch / "a.h5", small_layout(), false);
   const auto append = [&](const std::string& axis, const std::vector<double>& row) {
     file.append(axis, row);
   };
@@ -206,7 +200,7 @@ TEST_CASE("a layout that makes no sense is refused before a file appears") {
 TEST_CASE("an ending that makes no sense is refused and the file can still be finished") {
   const Scratch scratch;
   write_finished(scratch / "plain.h5");
-  ResultFile file(scratch / "a.h5", small_layout(), false, on_disk);
+  ResultFile file(scratch / "a.h5", small_layout(), false);
   append_rows(file, 0, 700);
   const auto refused = [&](const char* text, const Ending& ending) {
     CHECK_THROWS_AS(file.finish("complete", "pass", ending), std::invalid_argument);
@@ -243,56 +237,10 @@ TEST_CASE("a file without a growing axis") {
   CHECK_THROWS_WITH(recover(scratch / "a.h5"), Contains("status complete"));
 }
 
-TEST_CASE("a file that is over while it is in memory holds what one written on the way does") {
-  const Scratch scratch;
-  put(scratch / "brief.h5", "of a run before");
-  {
-    ResultFile file(scratch / "brief.h5", small_layout(), true, long_enough);
-    append_rows(file, 0, 700);
-    CHECK(bytes(scratch / "brief.h5") == "of a run before");
-    finish(file);
-  }
-  write_finished(scratch / "plain.h5");
-  CHECK(files_in(scratch.directory) == 2);
-  CHECK(bytes(scratch / "brief.h5") != bytes(scratch / "plain.h5"));  // places within the file
-  const Comparison comparison = compare(scratch / "brief.h5", scratch / "plain.h5");
-  CHECK(comparison.identical());
-  CHECK(comparison.values > 700 * 6);
-}
-
-TEST_CASE("a file leaves memory when its time is over, or rows of it are referred to") {
-  const Scratch scratch;
-  ResultFile brief(scratch / "brief.h5", small_layout(), false, std::chrono::milliseconds(1));
-  std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  CHECK(!std::filesystem::exists(scratch / "brief.h5"));
-  append_rows(brief, 0, 1);
-  CHECK(std::filesystem::exists(scratch / "brief.h5"));
-  {
-    ResultFile referred(scratch / "referred.h5", small_layout(), false, long_enough);
-    append_rows(referred, 0, 300);
-    CHECK(!std::filesystem::exists(scratch / "referred.h5"));
-    referred.flush("time");
-    CHECK(std::filesystem::exists(scratch / "referred.h5"));
-  }
-  recover(scratch / "referred.h5");
-  CHECK_THAT(bytes(scratch / "referred.recovered.h5"),
-             Contains("time: 300 rows kept of 300") && Contains("step: 256 rows kept of 256"));
-}
-
-TEST_CASE("a file dropped while it is in memory is recovered as any other") {
-  const Scratch scratch;
-  {
-    ResultFile file(scratch / "run.h5", small_layout(), false, long_enough);
-    append_rows(file, 0, 700);
-  }
-  recover(scratch / "run.h5");
-  CHECK_THAT(bytes(scratch / "run.recovered.h5"), Contains("time: 512 rows kept of 512"));
-}
-
 TEST_CASE("chunks of nothing but missing values or zeros take no room") {
   const Scratch scratch;
   const auto write = [&](const path& where, double order, double maybe) {
-    ResultFile file(where, small_layout(), false, on_disk);
+    ResultFile file(where, small_layout(), false);
     for (int row = 0; row < 2560; ++row) {
       file.append("time", std::vector<double>{row * 0.5, row * 2.0, row + 0.25, maybe});
       file.append("step", std::vector<double>{row * 0.25, order, 1});
@@ -303,7 +251,7 @@ TEST_CASE("chunks of nothing but missing values or zeros take no room") {
   const auto empty = write(scratch / "empty.h5", 0, nan_value), full = write(scratch / "full.h5", 1, 1);
   CHECK(empty < full);
   {
-    ResultFile file(scratch / "run.h5", small_layout(), false, on_disk);
+    ResultFile file(scratch / "run.h5", small_layout(), false);
     for (int row = 0; row < 300; ++row) file.append("time", std::vector<double>{row * 0.5, 0, 0, nan_value});
   }
   recover(scratch / "run.h5");
@@ -312,7 +260,7 @@ TEST_CASE("chunks of nothing but missing values or zeros take no room") {
 
 TEST_CASE("a finished file takes nothing more") {
   const Scratch scratch;
-  ResultFile file(scratch / "a.h5", small_layout(), false, on_disk);
+  ResultFile file(scratch / "a.h5", small_layout(), false);
   append_rows(file, 0, 3);
   finish(file);
   const std::string before = bytes(scratch / "a.h5");
@@ -325,7 +273,7 @@ TEST_CASE("a finished file takes nothing more") {
 TEST_CASE("without room for a copy the end is written in place") {
   const Scratch scratch;
   write_finished(scratch / "plain.h5");
-  ResultFile file(scratch / "a.h5", small_layout(), false, on_disk);
+  ResultFile file(scratch / "a.h5", small_layout(), false);
   append_rows(file, 0, 700);
   std::filesystem::create_directories(scratch / "a.h5.tmp/in the way");
   finish(file);
@@ -334,7 +282,7 @@ TEST_CASE("without room for a copy the end is written in place") {
 
 TEST_CASE("a file that someone else has replaced is left alone") {
   const Scratch scratch;
-  ResultFile file(scratch / "a.h5", small_layout(), false, on_disk);
+  ResultFile file(scratch / "a.h5", small_layout(), false);
   append_rows(file, 0, 700);
   put(scratch / "other", "of someone else");
   std::filesystem::rename(scratch / "other", scratch / "a.h5");
@@ -345,7 +293,7 @@ TEST_CASE("a file that someone else has replaced is left alone") {
 TEST_CASE("an unfinished file is recovered once and for all") {
   const Scratch scratch;
   {
-    ResultFile file(scratch / "run.h5", small_layout(), false, on_disk);
+    ResultFile file(scratch / "run.h5", small_layout(), false);
     append_rows(file, 0, 700);
     const ResultFile moved = std::move(file);  // dropped without finish
   }

@@ -3,7 +3,6 @@
 //   writer run FILE ROWS PACE_US [LIMIT_BYTES]   ROWS rows, then finish (0: endless); every 50 rows it prints
 //                                                the number of rows appended so far and pauses for PACE_US;
 //                                                LIMIT_BYTES: no file may grow beyond it
-//   writer brief ...   the same, but the file stays in memory as long as one of the program does
 //   writer recover IN OUT
 // Exit codes as of the program: 4 for FileError, 2 for a wrong call.
 #include <sys/resource.h>
@@ -66,8 +65,8 @@ void append(ResultFile& file, std::uint64_t row) {
   file.append("step", line);
 }
 
-int run(const std::string& name, std::uint64_t rows, int pace_us, std::chrono::milliseconds in_memory) {
-  ResultFile file(name, layout(), false, in_memory);
+int run(const std::string& name, std::uint64_t rows, int pace_us) {
+  ResultFile file(name, layout(), false);
   for (std::uint64_t row = 0; rows == 0 || row < rows; ++row) {
     append(file, row);
     if (row % 50 != 49) continue;
@@ -104,10 +103,9 @@ void limit_files(rlim_t bytes) {
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   try {
-    if (words.size() >= 4 && (words[0] == "run" || words[0] == "brief")) {
+    if (words.size() >= 4 && words[0] == "run") {
       if (words.size() == 5) limit_files(std::stoul(words[4]));
-      const auto in_memory = words[0] == "run" ? std::chrono::milliseconds(0) : ResultFile::stays_in_memory;
-      return run(words[1], std::stoul(words[2]), std::stoi(words[3]), in_memory);
+      return run(words[1], std::stoul(words[2]), std::stoi(words[3]));
     }
     if (words.size() == 3 && words[0] == "recover") {
       std::cout << recover(words[1], words[2]).string() << "\n";
@@ -117,6 +115,6 @@ int main(int argc, char** argv) {
     std::cerr << error.what() << "\n";
     return 4;
   }
-  std::cerr << "writer run|brief FILE ROWS PACE_US [LIMIT_BYTES] | writer recover IN OUT\n";
+  std::cerr << "writer run FILE ROWS PACE_US [LIMIT_BYTES] | writer recover IN OUT\n";
   return 2;
 }

@@ -3,19 +3,17 @@
 
 #include <Eigen/SVD>
 #include <cmath>
-#include <limits>
 
 #include "control/quick_arm.hpp"
 #include "reference/dense.hpp"
+#include "scalar/eps.hpp"
 #include "simulation/integrator.hpp"
 #include "support/catch.hpp"
 
-using namespace osculate;
+namespace osculate::testing::closed_loop_slopes_tests {
 using namespace osculate::test;
 
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 struct Setting {
   LawOptions law;
@@ -269,3 +267,5 @@ TEST_CASE("what a Jacobian throws counts as what f throws") {
     CHECK_THROWS_WITH(integrator.step(1), "mistake");
   }
 }
+
+}  // namespace osculate::testing::closed_loop_slopes_tests

@@ -36,7 +36,7 @@ constexpr bool sees_malloc = false;
 [[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
 [[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 
-using namespace osculate;
+namespace osculate::testing::closed_loop_tests {
 using namespace osculate::test;
 
 namespace {
@@ -196,3 +196,5 @@ TEST_CASE("kinematics are shared only where plant and controller agree on arm an
   CHECK(!shares(feels, touched));
   for (const LawOptions& law : {sampled, carried, swings, resolved}) CHECK(!shares(law, same));
 }
+
+}  // namespace osculate::testing::closed_loop_tests
