@@ -14,7 +14,7 @@ PAGE = """# What checks and the record cost
 Made by `./dev bench`: the anchor experiments of [work-precision](work-precision.md), every accepted step checked
 (`verify.every: step`), with the shadow run that the error estimate needs (`verify.shadow`), and recorded as the
 experiments say: 100 rows a second and every step; the long one 10 rows a second and the worst steps. Milliseconds on one
-core, the best of several runs for each part. The last columns are ratios to the simulation alone.
+core, build `{build}`, the best of several runs for each part. The last columns are ratios to the simulation alone.
 
 {table}
 
@@ -57,7 +57,7 @@ def main(program, out):
     with tempfile.TemporaryDirectory() as directory:
         rows = [row(program, name, repetitions, directory) for name, repetitions in ANCHORS]
     lines = ["| " + " | ".join(cells) + " |" for cells in [head, ["---"] * len(head)] + rows]
-    pathlib.Path(out).write_text(PAGE.format(table="\n".join(lines)))
+    pathlib.Path(out).write_text(PAGE.format(table="\n".join(lines), build=pathlib.Path(program).resolve().parent.name))
 
 
 main(*sys.argv[1:])
