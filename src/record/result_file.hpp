@@ -124,10 +124,9 @@ class ResultFile {
   /// Values in one row of `append` along this axis.
   std::size_t row_size(const std::string& axis) const;
 
-  /// Writes the tail, leaves SWMR mode and reopens the file unless it is still in memory, writes /verdict,
-  /// the rest of the ending and the final root attributes (status: complete | failed | interrupted; verdict:
-  /// pass | fail | as_expected), closes. Throws std::invalid_argument, and changes nothing, if the ending
-  /// does not fit the layout or itself.
+  /// Writes the tail, leaves SWMR mode, reopens, writes /verdict, the rest of the ending and the final root
+  /// attributes (status: complete | failed | interrupted; verdict: pass | fail | as_expected), closes. Throws
+  /// std::invalid_argument, and changes nothing, if the ending does not fit the layout or itself.
   void finish(const std::string& status, const std::string& verdict, const Ending& ending = {});
 
  private:

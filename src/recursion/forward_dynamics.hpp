@@ -53,7 +53,7 @@ class BasicForwardDynamics {
     give_joint_entries<H>(order_, T, [&](int k, const auto& entry) { x_[k].T0 = entry; });
     inlined<S>([&] { sweeps_after_velocities(F_ext, qdd); });
   }
-  /// Both.
+  /// Both. qd, T and qdd have one entry for each coordinate.
   void accelerations(std::span<const S> qd, std::span<const S> T, const Vec<Force, S>& F_ext,
                      std::span<S> qdd) {
     const JointList<H> rates{order_, qd}, torques{order_, T};
