@@ -63,8 +63,7 @@ class BasicEnsemble {
     for (Eigen::Index first = 0; first < states; first += lanes) {
       place(space_, q, first);
       load(qd, first, qd_);
-      space_.sweep(qd_);
-      const Vec<Motion, S> right_of_g = space_.right_side_of_g();
+      const Vec<Motion, S> right_of_g = space_.sweep_with_gravity(qd_);
       Vec<Force, S> F;
       inlined<S>([&] { F = task_terms(right_of_g, u, first, out); });
       space_.torques(F, T_);

@@ -55,6 +55,16 @@ class BasicOperationalSpace {
     inlined<S>([&] { sweep_compliance(arm_, ground_, seen(ground_.a_g), x_); });
   }
 
+  /// sweep(qd) and right_side_of_g() with less to load: returns the right side of Omega(0) g = ... (72). In
+  /// one frame only.
+  Vec<Motion, S> sweep_with_gravity(std::span<const S> qd) {
+    set_torques({});
+    inlined<S>([&] { sweep_velocities(arm_, rates(qd), ground_, x_); });
+    inlined<S>([&] { sweep_articulated(arm_, x_, ground_, {}, x_); });
+    inlined<S>([&] { sweep_compliance_and_gravity(arm_, ground_, x_); });
+    return x_.eta_g0;
+  }
+
   /// The same results to rounding, by a sweep of columns instead of sweep 3: fewer instructions for one state
   /// of doubles, more operations. In one frame only.
   void sweep_from_tip(std::span<const S> qd, std::span<const S> T0 = {}, const Vec<Force, S>& F_ext = {}) {

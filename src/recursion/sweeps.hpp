@@ -201,6 +201,19 @@ constexpr void compliance_at_tip(const ArmLink<H>& tip, const Vec<Motion, typena
   if (faulty(Fault::printed_4_3)) x.eta0 = x.eta0 - a_g;
 }
 
+/// alpha: of link k+1, becomes that of link k, and eta likewise.
+template <class H>
+constexpr void gravity_step(const BasicArm<H>& arm, int k, const Passes<H>& x,
+                            Vec<Motion, typename H::Scalar>& alpha, Vec<Motion, typename H::Scalar>& eta) {
+  alpha = arm[k].phi.T() * alpha;                   // (73)
+  eta = psi_of(arm, arm[k].hinge, x, k).T() * eta;  // (73)
+}
+template <class H>
+constexpr void gravity_at_tip(const ArmLink<H>& tip, const Vec<Motion, typename H::Scalar>& alpha,
+                              const Vec<Motion, typename H::Scalar>& eta, Passes<H>& x) {
+  x.eta_g0 = tip.phi.T() * alpha - seeded(Fault::gravity_tip, tip.phi.T() * eta);  // (74)
+}
+
 /// T(k). f: f(k-1), becomes f(k).
 template <class H>
 constexpr void torque_step(const BasicArm<H>& arm, const H& Hk, int k, Vec<Force, typename H::Scalar>& f,
@@ -290,11 +303,24 @@ void sweep_gravity(const BasicArm<H>& arm, const Vec<Motion, typename H::Scalar>
   auto alpha = a_g;                              // (73)
   auto eta = seeded(Fault::gravity_start, a_g);  // (73)
   for (int k = arm.n(); k >= 1; --k) {
-    alpha = arm[k].phi.T() * alpha;                   // (73)
-    eta = psi_of(arm, arm[k].hinge, x, k).T() * eta;  // (73)
+    gravity_step(arm, k, x, alpha, eta);  // (73)
     see(k, eta);
   }
-  x.eta_g0 = arm[0].phi.T() * alpha - seeded(Fault::gravity_tip, arm[0].phi.T() * eta);  // (74)
+  gravity_at_tip(arm[0], alpha, eta, x);  // (74)
+}
+
+/// Sweeps 3 and that of gravity in one, base -> tip: Omega(0), eta0 and eta_g0 from one reading of psi. In
+/// one frame only.
+template <class H>
+void sweep_compliance_and_gravity(const BasicArm<H>& arm, const Ground<typename H::Scalar>& ground,
+                                  Passes<H>& x) {
+  static_assert(!in_link_frames<H>, "gravity would be wanted in the axes of the base and of the tip");
+  auto alpha = ground.a_g;                                // (73)
+  auto eta_g = seeded(Fault::gravity_start, ground.a_g);  // (73)
+  sweep_compliance(arm, ground, ground.a_g, x, [&](int k, const auto&...) {
+    gravity_step(arm, k, x, alpha, eta_g);
+  });                                       // (58), (67), (73)
+  gravity_at_tip(arm[0], alpha, eta_g, x);  // (74)
 }
 
 /// Sweep 4, tip -> base: the tip force F_c becomes joint torques x[k].T = (J* F_c)(k). see(k, x[k].T).
