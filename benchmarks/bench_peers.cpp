@@ -26,6 +26,7 @@ struct Subject {
       : name(arm_name), chain(chain_named(arm_name)), states(bench::states(chain.n())) {
     add_recursions(chain, routes);
     const std::size_t reference = routes.size();
+    add_column_form(chain, routes);
     if (chain.n() <= 100) add_dense(chain, routes);
     add_peers(jury::arm_of(chain), routes);
     for (std::size_t i = 0; i < routes.size(); ++i) judge(routes[i], i < reference);
