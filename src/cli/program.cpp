@@ -24,6 +24,7 @@
 #include "experiment/provenance.hpp"
 #include "experiment/schema.hpp"
 #include "record/export.hpp"
+#include "record/log_table.hpp"
 #include "record/result_file.hpp"
 
 using namespace osculate;
@@ -228,6 +229,8 @@ void add_judge(Entry& entry) {
   entry.add(sub, [=] {
     options->model = arm->model;
     options->choice = arm->chosen();
+    if (is_hdf5(options->log))
+      if (const Exit readable = try_reading(options->log); readable != Exit::ok) return readable;
     return print_judgement(*options, std::cout, std::cerr);
   });
 }

@@ -1,7 +1,6 @@
 // From named columns to a log. Names may be plain or those of result files of osculate.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "input/named_columns.hpp"
 #include "judge/log.hpp"
@@ -15,12 +14,6 @@ using Matrix = MatrixX<double>;
 using Names = std::vector<std::string>;
 
 const Names time_names{"t", "time", "timestamp"};
-
-bool is_hdf5(const std::filesystem::path& file) {
-  char begin[8] = {};
-  std::ifstream(file, std::ios::binary).read(begin, sizeof begin);
-  return std::equal(begin, begin + 8, "\x89HDF\r\n\x1a\n");
-}
 
 class Columns {
  public:

@@ -1,6 +1,7 @@
 #include "record/log_table.hpp"
 
 #include <algorithm>
+#include <fstream>
 
 #include "input/limits.hpp"
 #include "record/hdf5_read.hpp"
@@ -63,6 +64,14 @@ void read_group(hid_t group, const std::string& where, int depth, const Check& c
 }
 
 }  // namespace
+
+bool is_hdf5(const std::filesystem::path& file) {
+  char begin[8] = {};
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(file, ignored))  // to open a pipe would wait for its writer
+    std::ifstream(file, std::ios::binary).read(begin, sizeof begin);
+  return std::equal(begin, begin + 8, "\x89HDF\r\n\x1a\n");
+}
 
 NamedColumns read_log_table(const std::filesystem::path& file, const std::vector<std::string>& time) {
   hdf5::prepare_library();

@@ -132,7 +132,7 @@ class Limits(unittest.TestCase):
         out = self.folder / "out"
         for file, says in ((crashing, "crashed the HDF5 library"), (endless, "came to no end")):
             for verb in (["diff", good, file], ["export", file, "--csv", out], ["replay", file],
-                         ["resume", file, "-o", out]):
+                         ["resume", file, "-o", out], ["judge", file]):
                 # Reading without end uses up the reader's second of processor time; the caller has its own.
                 done = call(*verb, limits={resource.RLIMIT_CPU: (1, 10)})
                 self.assertEqual(done.returncode, 4, (verb, done.stderr))
