@@ -24,10 +24,10 @@ void set(Vector6& out, const Vec<Space, double>& v) {
 
 template <class Sweeps>
 void set_tip(Pose& out, const Sweeps& sweeps) {
-  const auto& R = sweeps.tip_rotation();
-  out.R(0, 0) = R.x.x, out.R(0, 1) = R.x.y, out.R(0, 2) = R.x.z;
-  out.R(1, 0) = R.y.x, out.R(1, 1) = R.y.y, out.R(1, 2) = R.y.z;
-  out.R(2, 0) = R.z.x, out.R(2, 1) = R.z.y, out.R(2, 2) = R.z.z;
+  const auto [x, y, z] = rows_of(sweeps.tip_rotation());
+  out.R(0, 0) = x.x, out.R(0, 1) = x.y, out.R(0, 2) = x.z;
+  out.R(1, 0) = y.x, out.R(1, 1) = y.y, out.R(1, 2) = y.z;
+  out.R(2, 0) = z.x, out.R(2, 1) = z.y, out.R(2, 2) = z.z;
   const auto& p = sweeps.tip_position();
   out.p[0] = p.x, out.p[1] = p.y, out.p[2] = p.z;
 }
@@ -237,7 +237,7 @@ const Command& Controller::torque(double t, std::span<const double> q_true, std:
   const std::span<const double> q{known_q_}, qd{known_qd_};
   if (options_.know_tip_force) {
     known_tip_force_ = tip_force;
-    for (int i = 0; i < 6; ++i) component(known_push_, i) = tip_force[i];
+    for (int i = 0; i < 6; ++i) set_component(known_push_, i, tip_force[i]);
   }
   measure_ = -1;
   begin(t, q, qd);

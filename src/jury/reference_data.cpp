@@ -76,7 +76,7 @@ class Recursions {
     const auto& R = space_.tip_rotation();
     Matrix3<Quad> out;
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) out(i, j) = component(i == 0 ? R.x : i == 1 ? R.y : R.z, j);
+      for (int j = 0; j < 3; ++j) out(i, j) = entry(R, i, j);
     return out;
   }
   Vector position() const {
@@ -95,7 +95,7 @@ class Recursions {
     Matrix out(6, n_);
     for (int i = 0; i < 6; ++i) {
       Vec<Force, Quad> unit;
-      component(unit, i) = Quad(1);
+      set_component(unit, i, Quad(1));
       out.row(i) = torques(unit).transpose();
     }
     return out;

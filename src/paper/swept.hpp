@@ -94,7 +94,7 @@ MatrixX<typename H::Scalar> block(const Psi<H>& psi) {
   MatrixX<S> out(6, 6);
   for (int j = 0; j < 6; ++j) {
     Vec<Force, S> unit;
-    component(unit, j) = S(1);
+    set_component(unit, j, S(1));
     out.col(j) = column(psi * unit);
   }
   return out;

@@ -98,7 +98,7 @@ class BasicEnsemble {
     const Vec<Force, S> g = factor.solve(right_of_g);
     Vec<Motion, S> wanted;
 #pragma GCC unroll 6
-    for (int i = 0; i < 6; ++i) component(wanted, i) = packet(u, first, i);
+    for (int i = 0; i < 6; ++i) set_component(wanted, i, packet(u, first, i));
     const Vec<Force, S> F = factor.solve(right + wanted);
     const Vec<Force, S> c = bias - g;
 #pragma GCC unroll 6

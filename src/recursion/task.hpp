@@ -28,11 +28,11 @@ constexpr const S& component(const Vec<Space, S>& v, int i) {
   const Vec3<S>& part = i < 3 ? v.ang : v.lin;
   return i % 3 == 0 ? part.x : i % 3 == 1 ? part.y : part.z;
 }
-/// Entry i of the six, to be written.
+/// Writes entry i of the six.
 template <class Space, Field S>
-constexpr S& component(Vec<Space, S>& v, int i) {
+constexpr void set_component(Vec<Space, S>& v, int i, const S& value) {
   Vec3<S>& part = i < 3 ? v.ang : v.lin;
-  return i % 3 == 0 ? part.x : i % 3 == 1 ? part.y : part.z;
+  part = {i % 3 == 0 ? value : part.x, i % 3 == 1 ? value : part.y, i % 3 == 2 ? value : part.z};
 }
 
 /// Entry i of three.
@@ -44,12 +44,9 @@ constexpr const S& component(const Vec3<S>& v, int i) {
 /// Entry (i, j) of a symmetric map.
 template <class To, Field S>
 constexpr S component(const Symmetric<To, S>& a, int i, int j) {
-  const auto row = [](const Mat3<S>& m, int r) -> const Vec3<S>& {
-    return r == 0 ? m.x : r == 1 ? m.y : m.z;
-  };
   if (i < 3 && j < 3) return entry(a.J, i, j);
   if (i >= 3 && j >= 3) return entry(a.A, i - 3, j - 3);
-  return i < 3 ? component(row(a.B, i), j - 3) : component(row(a.B, j), i - 3);
+  return i < 3 ? entry(a.B, i, j - 3) : entry(a.B, j, i - 3);
 }
 
 /// Up to six numbers, one for each task row.
@@ -70,7 +67,7 @@ template <Field S>
 Vec<Force, S> wrench(const TaskVector<S>& F, std::span<const int> rows) {
   if (are_all_rows(rows)) return {{F[0], F[1], F[2]}, {F[3], F[4], F[5]}};
   Vec<Force, S> f;
-  for (std::size_t i = 0; i < rows.size(); ++i) component(f, rows[i]) = F[i];
+  for (std::size_t i = 0; i < rows.size(); ++i) set_component(f, rows[i], F[i]);
   return f;
 }
 
@@ -159,8 +156,7 @@ class TaskFactor {
     // rows of C* L1^-1, then of L2^-1 C* L1^-1
     Vec3<S> x = Cx_, y = Cy_;
     upper_.backward(x, y, Cz_);
-    const Mat3<S> rows = transpose(Mat3<S>{x, y, Cz_});
-    Vec3<S> X = rows.x, Y = rows.y, Z = rows.z;
+    auto [X, Y, Z] = rows_of(transpose(Mat3<S>{x, y, Cz_}));
     lower_.forward(X, Y, Z);
     const S yx2 = -lower_.yx, zy2 = -lower_.zy, zx2 = lower_.yx * lower_.zy - lower_.zx;  // of L2^-1
     const auto squares = [&w](const Vec3<S>& v) {
@@ -212,7 +208,7 @@ class TaskFactor {
     const auto& [J, B, A] = Omega;
     upper_ = BlockFactor<S>(J);
     iz_ = S(1) / upper_.dz;
-    Vec3<S> x = B.x, y = B.y, z = B.z;
+    auto [x, y, z] = rows_of(B);
     upper_.forward(x, y, z);
     Cx_ = x * upper_.ix, Cy_ = y * upper_.iy, Cz_ = z * iz_;
     lower_ = BlockFactor<S>(less_outers(A - symmetric_outer(x, Cx_), y, Cy_, z, Cz_));

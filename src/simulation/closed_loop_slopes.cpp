@@ -110,7 +110,7 @@ void ClosedLoopSlopes::Work::control(std::span<const double> qd, const BaseMotio
   const LawOptions& law = controller.options();
   const Vector6 &F = controller.last().F, &known = controller.known_tip_force();
   Vec<Force, double> known_push;
-  for (int i = 0; i < 6; ++i) component(known_push, i) = known[i];
+  for (int i = 0; i < 6; ++i) set_component(known_push, i, known[i]);
   model_dynamics.move_base(base);
   model_dynamics.place(controller.joints());
   model_dynamics.accelerations(qd, controller.rigid_torque(), known_push, a);

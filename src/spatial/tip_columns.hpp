@@ -57,6 +57,8 @@ constexpr TipMobility<S> plus_outer(TipMobility<S> sum, const SixRow<S>& a, cons
 
 #if defined(__AVX2__) && defined(__FMA__)
 #include "spatial/tip_columns_avx.hpp"
+#elif defined(__SSE2__) || defined(__aarch64__)
+#include "spatial/tip_columns_pairs.hpp"
 #endif
 
 namespace osculate {
@@ -115,11 +117,13 @@ constexpr TipColumns<S> tip_columns(const Shift<S>& phi) {
 template <Field S>
 constexpr SixRow<S> plus_combined(const SixRow<S>& sum, const Vec3<S>& v,
                                   const typename TipColumns<S>::Half& X) {
-  return plus_scaled(plus_scaled(plus_scaled(sum, X.x, v.x), X.y, v.y), X.z, v.z);
+  const auto& by = multipliers(v);
+  return plus_scaled(plus_scaled(plus_scaled(sum, X.x, by.x), X.y, by.y), X.z, by.z);
 }
 template <Field S>
 constexpr SixRow<S> dot(const Vec3<S>& v, const typename TipColumns<S>::Half& X) {
-  return plus_scaled(plus_scaled(X.x * v.x, X.y, v.y), X.z, v.z);
+  const auto& by = multipliers(v);
+  return plus_scaled(plus_scaled(X.x * by.x, X.y, by.y), X.z, by.z);
 }
 /// X* V
 template <Field S>
@@ -165,7 +169,8 @@ template <Field S>
 constexpr TipColumns<S> less_outer(const TipColumns<S>& X, const Vec<Force, S>& g, const SixRow<S>& e) {
   const auto half = [&](const typename TipColumns<S>::Half& a, const Vec3<S>& v) ->
       typename TipColumns<S>::Half {
-        return {less_scaled(a.x, e, v.x), less_scaled(a.y, e, v.y), less_scaled(a.z, e, v.z)};
+        const auto& by = multipliers(v);
+        return {less_scaled(a.x, e, by.x), less_scaled(a.y, e, by.y), less_scaled(a.z, e, by.z)};
       };
   return {half(X.ang, g.ang), half(X.lin, g.lin)};
 }
@@ -182,7 +187,7 @@ constexpr TipColumns<S> operator-(TipColumns<S> X, const GainRows<S, JointGain<S
 /// phi X
 template <Field S>
 constexpr TipColumns<S> operator*(const Shift<S>& phi, const TipColumns<S>& X) {
-  const Vec3<S>& l = phi.l;
+  const auto& l = multipliers(phi.l);
   const auto& [ang, lin] = X;
   return {{less_scaled(plus_scaled(ang.x, lin.z, l.y), lin.y, l.z),
            less_scaled(plus_scaled(ang.y, lin.x, l.z), lin.z, l.x),

@@ -1,6 +1,7 @@
 // Three-vectors and 3 x 3 matrices over any Field, as plain structs: no heap, no comparison, no expression
-// templates. For doubles vector3_avx.hpp has the same functions on AVX registers, where the build allows it;
-// vector3_packet.hpp has constants for packets.
+// templates. For doubles vector3_avx.hpp has the same functions on AVX registers, where the build allows it,
+// and vector3_pairs.hpp on those of two lanes; vector3_packet.hpp has constants for packets. Whoever wants
+// the entries of a matrix, whatever it is made of, asks `entry` or `rows_of`.
 #pragma once
 
 #include <array>
@@ -61,6 +62,11 @@ template <Field S>
 constexpr Vec3<S> plus_cross(const Vec3<S>& sum, const Vec3<S>& a, const Vec3<S>& b) {
   return sum + cross(a, b);
 }
+/// Factors for the components of v: the numbers, or each of them in every lane of a register.
+template <Field S>
+constexpr const Vec3<S>& multipliers(const Vec3<S>& v) {
+  return v;
+}
 
 template <Field S>
 constexpr Mat3<S> operator+(const Mat3<S>& a, const Mat3<S>& b) {
@@ -85,6 +91,10 @@ constexpr Vec3<S> operator*(const Mat3<S>& a, const Vec3<S>& b) {
 template <Field S>
 constexpr Mat3<S> transpose(const Mat3<S>& a) {
   return {{a.x.x, a.y.x, a.z.x}, {a.x.y, a.y.y, a.z.y}, {a.x.z, a.y.z, a.z.z}};
+}
+template <Field S>
+constexpr std::array<Vec3<S>, 3> rows_of(const Mat3<S>& a) {
+  return {a.x, a.y, a.z};
 }
 /// transpose(a) b
 template <Field S>
@@ -256,6 +266,12 @@ constexpr const S& entry(const Sym3<S>& a, int i, int j) {
   if (i > j) std::swap(i, j);
   return i == 0 ? (j == 0 ? a.xx : j == 1 ? a.xy : a.xz) : i == 1 ? (j == 1 ? a.yy : a.yz) : a.zz;
 }
+/// Entry (i, j) of a matrix.
+template <Field S>
+constexpr S entry(const Mat3<S>& a, int i, int j) {
+  const Vec3<S>& row = i == 0 ? a.x : i == 1 ? a.y : a.z;
+  return j == 0 ? row.x : j == 1 ? row.y : row.z;
+}
 
 /// Three axes as the columns of a rotation: of a link, in the inertial frame.
 template <Field S>
@@ -300,14 +316,14 @@ constexpr Mat3<S> matrix_of(const Axes<S>& e) {
 }
 template <Field S>
 constexpr Axes<S> axes_of(const Mat3<S>& R) {
-  const Mat3<S> columns = transpose(R);
-  return {columns.x, columns.y, columns.z};
+  const auto [x, y, z] = rows_of(transpose(R));
+  return {x, y, z};
 }
 /// The axes that e turns into the unit vectors.
 template <Field S>
 constexpr Axes<S> inverse(const Axes<S>& e) {
-  const Mat3<S> R = matrix_of(e);
-  return {R.x, R.y, R.z};
+  const auto [x, y, z] = rows_of(matrix_of(e));
+  return {x, y, z};
 }
 /// A symmetric matrix given along the axes.
 template <Field S>
@@ -327,4 +343,6 @@ constexpr Sym3<S> turned(const Axes<S>& e, const SymmetricCoefficients<S>& along
 #include "spatial/vector3_packet.hpp"
 #if defined(__AVX2__) && defined(__FMA__)
 #include "spatial/vector3_avx.hpp"
+#elif defined(__SSE2__) || defined(__aarch64__)
+#include "spatial/vector3_pairs.hpp"
 #endif

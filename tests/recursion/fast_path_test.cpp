@@ -1,5 +1,6 @@
-// Doubles in AVX registers against the generic code in long double, for every kind of joint. Built for AVX2
-// and FMA even where the rest is not; depends on headers alone.
+// Doubles in vector registers against the generic code in long double, for every kind of joint. Built for
+// the instruction set of the build, and for AVX2 and FMA even where that has neither; depends on headers
+// alone.
 //
 // What an error may be is measured, not guessed: the same answers in long double, from numbers each of which
 // is changed by a part in 2^30. The change of an answer over 2^-30 is its condition, and the error must stay
@@ -10,10 +11,6 @@
 #include "model/random_arm.hpp"
 #include "recursion/forward_dynamics.hpp"
 #include "recursion/worst.hpp"
-
-#if !defined(__AVX2__) || !defined(__FMA__)
-#error "this test is of the code for AVX2 and FMA"
-#endif
 
 using namespace osculate;
 using namespace osculate::testing;
@@ -135,7 +132,7 @@ void compare(const RandomArm& arm, std::uint64_t seed, const std::string& which,
 
 }  // namespace
 
-TEST_CASE("AVX registers give what the generic code gives, revolute and prismatic joints") {
+TEST_CASE("vector registers give what the generic code gives, revolute and prismatic joints") {
   Worst sweeps, columns, link_frames;
   for (int n = 1; n <= 9; ++n)
     for (unsigned seed = 1; seed <= 6; ++seed) {
@@ -151,7 +148,7 @@ TEST_CASE("AVX registers give what the generic code gives, revolute and prismati
   check_within("link frames", link_frames, 60);  // seen 13
 }
 
-TEST_CASE("AVX registers give what the generic code gives, joints with several axes") {
+TEST_CASE("vector registers give what the generic code gives, joints with several axes") {
   Worst worst, columns;
   for (const JointType type : {JointType::cylindrical, JointType::universal, JointType::planar,
                                JointType::spherical, JointType::floating})

@@ -18,7 +18,8 @@ Vector3<S> plain(const Vec3<S>& v) {
 template <Field S>
 Matrix3<S> plain(const Mat3<S>& a) {
   Matrix3<S> out;
-  out << a.x.x, a.x.y, a.x.z, a.y.x, a.y.y, a.y.z, a.z.x, a.z.y, a.z.z;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) out(i, j) = entry(a, i, j);
   return out;
 }
 template <Field S>
