@@ -221,14 +221,33 @@ const Compliance<double>& Controller::compliance(double t, std::span<const doubl
   return std::visit([](const auto& space) -> const Compliance<double>& { return space.Omega(); }, space_);
 }
 
-void Controller::sweep_exactly(std::span<const double> qd) {
+void Controller::place_exactly() {
   std::visit(
       [&](auto& space) {
         if (options_.base_path) space.move_base(base_);
         space.place(joints_);
-        space.sweep(qd);
       },
       space_);
+}
+
+void Controller::sweep_exactly(std::span<const double> qd) {
+  place_exactly();
+  std::visit([&](auto& space) { space.sweep(qd); }, space_);
+}
+
+TipMotion Controller::tip_motion(double t, std::span<const double> q, std::span<const double> qd) {
+  set_positions(model_, q, joints_);
+  if (options_.base_path) base_ = base_motion(options_.base_path.get(), t);
+  place_exactly();
+  TipMotion out;
+  std::visit(
+      [&](auto& space) {
+        space.sweep_tip_velocity(qd);
+        set_tip(out.pose, space);
+        set(out.velocity, space.tip_velocity());
+      },
+      space_);
+  return out;
 }
 
 const Command& Controller::torque(double t, std::span<const double> q_true, std::span<const double> qd_true,

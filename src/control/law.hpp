@@ -119,6 +119,12 @@ struct RecursiveTerms {
   void remember(Memory& memory) { memory(Omega, Lambda, c, g, c_plus_g); }
 };
 
+/// Pose and velocity of the tip. Inertial frame, about the tip point, angular part first.
+struct TipMotion {
+  Pose pose;
+  Vector6 velocity = Vector6::Zero();  // rad/s, m/s
+};
+
 /// Pose and motion of a base that moves along `path` (none: at rest) in the inertial frame.
 BaseMotion<double> base_motion(const Path* path, double t);
 
@@ -148,6 +154,10 @@ class Controller {
   /// arm is singular. Under resolved acceleration with a slower monitor, those of the last monitored sample.
   RecursiveTerms terms(std::span<const double> qd);
 
+  /// The tip of the model at (t, q, qd), by placement and sweep 1 alone. Afterwards terms() needs a torque()
+  /// or look().
+  TipMotion tip_motion(double t, std::span<const double> q, std::span<const double> qd);
+
   /// Omega(0) of the model at (q, qd), all six rows, by sweeps 1 to 3 of the exact recursions.
   const Compliance<double>& compliance(double t, std::span<const double> q, std::span<const double> qd);
   /// Smooth measure of the distance from a singularity that the last torque() saw (singular_task.hpp);
@@ -171,6 +181,7 @@ class Controller {
   const std::vector<JointPosition<double>>& joints() const { return joints_; }
   /// The exact recursions where the joints have one axis each, else null; swept at the state of the last
   /// torque() of a law that uses them: operational_space without sampling, textbook, user, free.
+  /// After tip_motion() placed, with sweep 1.
   const OperationalSpace<double>* exact_sweeps() const { return std::get_if<0>(&space_); }
   /// T0 of the last torque(), base to tip.
   std::span<const double> null_space_torque() const { return T0_; }
@@ -221,6 +232,8 @@ class Controller {
   void textbook(double t, std::span<const double> qd);
   /// Asks the law of Law::user, where the tip has been seen and u decided (user_law.cpp).
   void user(double t, std::span<const double> qd);
+  /// Sets base and placement of the exact recursions at the present state.
+  void place_exactly();
   /// Sweeps 1 to 3 of the exact recursions at the present state, for look() and the monitor.
   void sweep_exactly(std::span<const double> qd);
 

@@ -286,7 +286,7 @@ class Runner {
     }
     if (shadow_ && t > 0 && !at_sample) {
       shadow_->integrator.interpolate(step.t, 0, row_state_);
-      result_.error.add(seen, shadow_->loop.observe(t, row_state_));
+      result_.error.add(seen, shadow_->loop.locate(t, row_state_));
     }
     const Residuals along = trajectory_->assess(seen, result_.error);
     for (const Claim claim : {Claim::analytic_response, Claim::decoupling})

@@ -75,7 +75,9 @@ class BasicOperationalSpace {
   }
 
   /// Sweep 1 alone: tip velocity.
-  void sweep_tip_velocity(std::span<const S> qd) { sweep_velocities(arm_, rates(qd), ground_, x_); }
+  void sweep_tip_velocity(std::span<const S> qd) {
+    inlined<S>([&] { sweep_velocities(arm_, rates(qd), ground_, x_); });
+  }
 
   /// Right side of Omega(0) c = ... (65), without gravity and joint torques; what a moving base adds is in
   /// it. Runs sweeps 1 to 3 again.

@@ -1,5 +1,7 @@
 #include "simulation/closed_loop.hpp"
 
+#include <tuple>
+
 #include "simulation/integrator.hpp"
 
 namespace osculate {
@@ -274,6 +276,30 @@ Vector6 ClosedLoop::plant_tip_velocity() const {
                     plant_dynamics_);
 }
 
+std::pair<double, double> ClosedLoop::energies(std::span<const double> qd) const {
+  auto [kinetic, potential] = std::visit(
+      [&](const auto& dynamics) {
+        return std::pair(dynamics.kinetic_energy(qd), dynamics.potential_energy());
+      },
+      plant_dynamics_);
+  if (plant_.environment) potential += stored_energy(*plant_.environment, seen_.touch, modes_.contact);
+  return {kinetic, potential};
+}
+
+Whereabouts ClosedLoop::locate(double t, std::span<const double> y) {
+  const double* const energy = y.data() + positions_ + velocities_;
+  Whereabouts out{.q = q(y.data()), .tip = controller_.tip_motion(t, q(y.data()), qd(y.data()))};
+  if (shares_kinematics_)
+    follow(y.data());
+  else
+    move(t, y.data());
+  std::tie(out.kinetic, out.potential) = energies(qd(y.data()));
+  out.work = energy[0];
+  out.dissipated = energy[1];
+  out.external_work = energy[2];
+  return out;
+}
+
 const Observation& ClosedLoop::observe(double t, std::span<const double> y) {
   const auto np = static_cast<std::size_t>(positions_), nv = static_cast<std::size_t>(velocities_);
   seen_.t = t;
@@ -283,15 +309,9 @@ const Observation& ClosedLoop::observe(double t, std::span<const double> y) {
   std::copy_n(derivative_.begin() + positions_, nv, seen_.qdd.begin());
   if (sampled()) seen_.torque = held_;
   seen_.command = sampled() ? controller_.look(t, seen_.q, seen_.qd) : controller_.last();
-  std::visit(
-      [&](const auto& dynamics) {
-        seen_.tip_acceleration = to_vector6(dynamics.tip_acceleration());
-        seen_.kinetic = dynamics.kinetic_energy(seen_.qd);
-        seen_.potential = dynamics.potential_energy();
-        if (plant_.environment)
-          seen_.potential += stored_energy(*plant_.environment, seen_.touch, modes_.contact);
-      },
-      plant_dynamics_);
+  std::visit([&](const auto& dynamics) { seen_.tip_acceleration = to_vector6(dynamics.tip_acceleration()); },
+             plant_dynamics_);
+  std::tie(seen_.kinetic, seen_.potential) = energies(seen_.qd);
   seen_.work = y[np + nv];
   seen_.dissipated = y[np + nv + 1];
   seen_.external_work = y[np + nv + 2];

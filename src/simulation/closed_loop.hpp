@@ -46,6 +46,15 @@ struct Observation {
   double work = 0, dissipated = 0, external_work = 0;  // J, since the start
 };
 
+/// Where the arm is, how its tip moves and its energies at one instant: the part of an Observation that needs
+/// no accelerations. Frames as there.
+struct Whereabouts {
+  std::span<const double> q;
+  TipMotion tip;                                       // of the controller's model, as in a Command
+  double kinetic = 0, potential = 0;                   // J
+  double work = 0, dissipated = 0, external_work = 0;  // J, since the start
+};
+
 struct Modes {
   bool contact = false;
   int truncated = 0;  // directions that policy truncated leaves out
@@ -88,6 +97,8 @@ class ClosedLoop {
 
   /// The closed loop at (t, y) in full, by the lines that right_side runs. Valid until the next call.
   const Observation& observe(double t, std::span<const double> y);
+  /// The same values as far as they go, by placement and sweep 1 alone. `q` of the result points into y.
+  Whereabouts locate(double t, std::span<const double> y);
 
   Controller& controller() { return controller_; }
   const Controller& controller() const { return controller_; }
@@ -124,6 +135,8 @@ class ClosedLoop {
   bool same_arm_and_state() const;
   /// y' with or without a look at what the law sees where it does nothing (a free swing).
   void evaluate(double t, const double* y, double* yd, bool look);
+  /// Kinetic and potential energy of the plant, which has moved, at joint velocities qd; J.
+  std::pair<double, double> energies(std::span<const double> qd) const;
   /// The law's torque at (t, y), with its refusals as IntegrationStopped.
   void control(double t, const double* y);
   bool watches_singularity() const;

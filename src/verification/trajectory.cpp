@@ -24,17 +24,17 @@ bool none_of(const std::array<bool, 6>& rows) {
   return std::none_of(rows.begin(), rows.end(), [](bool b) { return b; });
 }
 
-double total_energy(const Observation& seen) { return seen.kinetic + seen.potential; }
-double supplied(const Observation& seen) { return seen.work - seen.dissipated + seen.external_work; }
+double total_energy(const auto& seen) { return seen.kinetic + seen.potential; }
+double supplied(const auto& seen) { return seen.work - seen.dissipated + seen.external_work; }
 
 }  // namespace
 
-void GlobalError::add(const Observation& run, const Observation& shadow) {
+void GlobalError::add(const Observation& run, const Whereabouts& shadow) {
   known = true;
-  const Pose &a = run.command.tip, &b = shadow.command.tip;
+  const Pose &a = run.command.tip, &b = shadow.tip.pose;
   position_now = (a.p - b.p).norm();
   position = std::max(position, position_now);
-  velocity = std::max(velocity, (run.command.tip_velocity - shadow.command.tip_velocity).tail<3>().norm());
+  velocity = std::max(velocity, (run.command.tip_velocity - shadow.tip.velocity).tail<3>().norm());
   for (std::size_t i = 0; i < run.q.size(); ++i) joints = std::max(joints, std::abs(run.q[i] - shadow.q[i]));
   orientation = std::max(orientation, log_rotation(a.R * b.R.transpose()).norm());
   energy =

@@ -28,7 +28,7 @@ struct GlobalError {
   bool known = false;       // false without a shadow run
   double tolerance = 0;     // local error that the integrator allows in a joint of the size of 1 rad or 1 m
 
-  void add(const Observation& run, const Observation& shadow);
+  void add(const Observation& run, const Whereabouts& shadow);
   void remember(Memory& memory) {
     memory(position, orientation, velocity, joints, position_now, energy, imbalance, known);
   }
