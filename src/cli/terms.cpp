@@ -99,9 +99,9 @@ void write_json(Json& json, const ArmDescription& arm, const StateTerms& e, cons
   json.key("recursive").begin_object();
   json.key("Omega").value(Omega);
   if (e.regular()) {
-    json.key("Lambda").value(v.recursive.Lambda);
-    json.key("c").value(v.recursive.c);
-    json.key("g").value(v.recursive.g);
+    json.key("Lambda").value(MatrixX<double>(v.recursive.Lambda));
+    json.key("c").value(VectorX<double>(v.recursive.c));
+    json.key("g").value(VectorX<double>(v.recursive.g));
     json.key("F").value(v.F);
     json.key("T").value(v.T);
     json.key("qdd").value(v.qdd);

@@ -155,6 +155,7 @@ void Controller::operational_space(double t, std::span<const double> qd) {
           const long before = space.sweeps();
           space.place(joints_);
           space.sweep(qd, T0_, known_push_);  // sweeps 1, 2, 3
+          swept_alone_ = !has_null_space_ && !options_.know_tip_force;
           see_tip(space, t);
           decide();
           const Vec<Force, double> F_c = tip_force(space.Omega(), space.right_side(), t);
@@ -233,6 +234,7 @@ void Controller::place_exactly() {
 void Controller::sweep_exactly(std::span<const double> qd) {
   place_exactly();
   std::visit([&](auto& space) { space.sweep(qd); }, space_);
+  swept_alone_ = true;
 }
 
 TipMotion Controller::tip_motion(double t, std::span<const double> q, std::span<const double> qd) {
@@ -288,7 +290,7 @@ const Command& Controller::torque(double t, std::span<const double> q_true, std:
     monitored_ = samples_ % options_.sampling->monitor_every == 0;
     if (monitored_) {
       sweep_exactly(qd);
-      seen_by_monitor_ = std::visit([&](auto& space) { return terms_of(space, qd); }, space_);
+      std::visit([&](auto& space) { terms_of(space, qd, seen_by_monitor_); }, space_);
     }
   }
   ++samples_;
@@ -314,36 +316,42 @@ const Command& Controller::look(double t, std::span<const double> q, std::span<c
 }
 
 template <class Sweeps>
-RecursiveTerms Controller::terms_of(Sweeps& space, std::span<const double> qd) const {
+void Controller::terms_of(Sweeps& space, std::span<const double> qd, RecursiveTerms& out) const {
   const auto m = static_cast<Eigen::Index>(options_.rows.size());
-  const auto as_vector = [m](const TaskVector<double>& v) {
-    return VectorX<double>(Eigen::Map<const VectorX<double>>(v.data(), m));
-  };
-  RecursiveTerms out;
+  const Compliance<double> all = space.Omega();
   out.Omega.resize(6, 6);
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) out.Omega(i, j) = component(space.Omega(), i, j);
-  const TaskInverse Omega(space.Omega(), options_.rows);
-  if (Omega.lost(pivot_floor) >= 0) return out;
-  out.Lambda.resize(m, m);
+#pragma GCC unroll 6
+  for (int j = 0; j < 6; ++j)
+#pragma GCC unroll 6
+    for (int i = 0; i < 6; ++i) out.Omega(i, j) = component(all, i, j);
+  const TaskInverse Omega(all, options_.rows);
+  const bool exist = Omega.lost(pivot_floor) < 0;
+  out.Lambda.resize(exist ? m : 0, exist ? m : 0);
+  for (UpTo6* v : {&out.c, &out.g, &out.c_plus_g}) v->resize(exist ? m : 0);
+  if (!exist) return;
+  const auto solve = [&](const TaskVector<double>& right, double* to) {
+    const TaskVector<double> x = Omega.solve(right);
+    std::copy_n(x.data(), m, to);
+  };
   for (Eigen::Index j = 0; j < m; ++j) {
     TaskVector<double> unit{};
     unit[static_cast<std::size_t>(j)] = 1;
-    out.Lambda.col(j) = as_vector(Omega.solve(unit));
+    solve(unit, out.Lambda.data() + j * m);
   }
-  space.sweep(qd);  // without T0: right side of c + g alone
-  out.c_plus_g = as_vector(Omega.solve(restricted(space.right_side(), options_.rows)));
-  out.g = as_vector(Omega.solve(restricted(space.right_side_of_g(), options_.rows)));
-  out.c = as_vector(Omega.solve(restricted(space.right_side_of_c(qd), options_.rows)));
-  return out;
+  if (!swept_alone_) space.sweep(qd);
+  solve(restricted(space.right_side(), options_.rows), out.c_plus_g.data());
+  solve(restricted(space.right_side_of_g(), options_.rows), out.g.data());
+  solve(restricted(space.right_side_of_c(qd), options_.rows), out.c.data());
 }
 
-RecursiveTerms Controller::terms(std::span<const double> qd) {
+const RecursiveTerms& Controller::terms(std::span<const double> qd) {
   if (options_.law == Law::resolved_acceleration) {
     if (options_.sampling && options_.sampling->monitor_every > 1) return seen_by_monitor_;
     sweep_exactly(qd);
   }
-  return std::visit([&](auto& space) { return terms_of(space, qd); }, space_);
+  std::visit([&](auto& space) { terms_of(space, qd, terms_); }, space_);
+  swept_alone_ = false;  // space_ holds the right side of c
+  return terms_;
 }
 
 Pose tip_pose(const Chain<double>& chain, std::span<const double> q) { return tip_pose(chain, q, {}); }

@@ -110,11 +110,16 @@ struct Command {
   bool saturated = false;  // a torque limit changed T
 };
 
-/// The operational-space terms of the model as the recursions give them, on the task rows (m <= 6).
+/// Up to six rows and columns, without allocation.
+using UpTo6x6 = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
+using UpTo6 = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 6, 1>;
+
+/// The operational-space terms of the model as the recursions give them, on the task rows (m <= 6). Empty
+/// where they do not exist.
 struct RecursiveTerms {
-  MatrixX<double> Omega;           // 6 x 6, all rows
-  MatrixX<double> Lambda;          // m x m
-  VectorX<double> c, g, c_plus_g;  // m
+  UpTo6x6 Omega;         // 6 x 6, all rows
+  UpTo6x6 Lambda;        // m x m
+  UpTo6 c, g, c_plus_g;  // m
 
   void remember(Memory& memory) { memory(Omega, Lambda, c, g, c_plus_g); }
 };
@@ -152,7 +157,8 @@ class Controller {
 
   /// The terms at the state of the last torque() or look(), each by its own recursion; Omega alone where the
   /// arm is singular. Under resolved acceleration with a slower monitor, those of the last monitored sample.
-  RecursiveTerms terms(std::span<const double> qd);
+  /// What the sweeps of that call have found is not computed again. Lasts until the next call.
+  const RecursiveTerms& terms(std::span<const double> qd);
 
   /// The tip of the model at (t, q, qd), by placement and sweep 1 alone. Afterwards terms() needs a torque()
   /// or look().
@@ -226,7 +232,7 @@ class Controller {
   Vec<Force, double> tip_force(const Compliance<double>& Omega, const Vec<Motion, double>& right_side,
                                double t);
   template <class Sweeps>
-  RecursiveTerms terms_of(Sweeps& space, std::span<const double> qd) const;
+  void terms_of(Sweeps& space, std::span<const double> qd, RecursiveTerms& out) const;
   void operational_space(double t, std::span<const double> qd);
   void resolved_acceleration(double t, std::span<const double> qd);
   void textbook(double t, std::span<const double> qd);
@@ -260,7 +266,8 @@ class Controller {
   Command command_;
   long sweeps_ = 0, samples_ = 0;
   bool monitored_ = true;
-  RecursiveTerms seen_by_monitor_;
+  RecursiveTerms terms_, seen_by_monitor_;
+  bool swept_alone_ = false;  // space_ holds the right side of c + g, without T0 or a wrench on the tip
   UserLaw user_;
 };
 

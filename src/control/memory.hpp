@@ -94,10 +94,12 @@ class Memory {
   void one(Eigen::PlainObjectBase<Derived>& matrix) {
     const auto rows = size_of(static_cast<std::size_t>(matrix.rows()));
     const auto columns = size_of(static_cast<std::size_t>(matrix.cols()));
-    const auto fits = [](int fixed, std::size_t n) {
-      return fixed == Eigen::Dynamic || static_cast<std::size_t>(fixed) == n;
+    const auto fits = [](int fixed, int most, std::size_t n) {
+      return (fixed == Eigen::Dynamic || static_cast<std::size_t>(fixed) == n) &&
+             (most == Eigen::Dynamic || n <= static_cast<std::size_t>(most));
     };
-    if (!fits(Derived::RowsAtCompileTime, rows) || !fits(Derived::ColsAtCompileTime, columns))
+    if (!fits(Derived::RowsAtCompileTime, Derived::MaxRowsAtCompileTime, rows) ||
+        !fits(Derived::ColsAtCompileTime, Derived::MaxColsAtCompileTime, columns))
       throw MemoryMismatch("a matrix in it has another size");
     matrix.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
     for (Eigen::Index i = 0; i < matrix.size(); ++i) one(matrix.data()[i]);

@@ -165,7 +165,7 @@ Layout make_layout(const Experiment& experiment, const Arms& arms, const std::st
 
 double or_missing(double x) { return std::isfinite(x) ? x : missing; }
 
-Compliance<double> compliance(const MatrixX<double>& a) {
+Compliance<double> compliance(const UpTo6x6& a) {
   const auto block = [&a](int i, int j) -> Mat3<double> {
     return {{a(i, j), a(i, j + 1), a(i, j + 2)},
             {a(i + 1, j), a(i + 1, j + 1), a(i + 1, j + 2)},
@@ -191,7 +191,7 @@ void push_ellipsoid(std::vector<double>& row, const Ellipsoid& ellipsoid) {
 }
 
 /// Values on the task rows spread over six, the rest missing.
-Vector6 spread(const VectorX<double>& values, const TaskRows& rows) {
+Vector6 spread(const UpTo6& values, const TaskRows& rows) {
   Vector6 out = Vector6::Constant(missing);
   for (std::size_t i = 0; i < rows.size(); ++i) out[rows[i]] = values[static_cast<Eigen::Index>(i)];
   return out;
@@ -258,8 +258,8 @@ void Recording::output(const Observation& seen, const TaskRows& rows, const Recu
   push_ellipsoid(row_, effective_inertia(Omega));
   double self_motion = missing;
   if (terms.Lambda.size() > 0) {
-    const VectorX<double> V = command.tip_velocity(rows);
-    self_motion = seen.kinetic - V.dot(terms.Lambda * V) / 2;
+    const UpTo6 V = command.tip_velocity(rows);
+    self_motion = seen.kinetic - V.dot(terms.Lambda.lazyProduct(V)) / 2;
   }
   for (const double energy :
        {seen.kinetic, seen.potential, seen.work, seen.dissipated, self_motion, seen.external_work})

@@ -80,7 +80,7 @@ class BasicOperationalSpace {
   }
 
   /// Right side of Omega(0) c = ... (65), without gravity and joint torques; what a moving base adds is in
-  /// it. Runs sweeps 1 to 3 again.
+  /// it. Runs sweeps 1 and 2 again, and of sweep 3 what Omega(0) does not need: that stays as it is.
   Vec<Motion, S> right_side_of_c(std::span<const S> qd) {
     set_torques({});
     Ground<S> weightless = ground_;
@@ -88,7 +88,7 @@ class BasicOperationalSpace {
     weightless.a_g = {};
     inlined<S>([&] { sweep_velocities(arm_, rates(qd), weightless, x_); });
     inlined<S>([&] { sweep_articulated(arm_, x_, weightless, {}, x_); });
-    inlined<S>([&] { sweep_compliance(arm_, weightless, {}, x_); });
+    inlined<S>([&] { sweep_right_side(arm_, weightless, {}, x_); });
     return right_side();
   }
 

@@ -189,16 +189,22 @@ constexpr void compliance_step(const BasicArm<H>& arm, const H& Hk, const Passes
   eta = psi.T() * eta + seeded(Fault::compliance_bias, xi);                                       // (67)
   see(k, Omega, eta, xi);
 }
+/// eta: eta(1). a_g: in the axes of the tip.
+template <class H>
+constexpr void right_side_at_tip(const ArmLink<H>& tip, const Vec<Motion, typename H::Scalar>& a_g,
+                                 const Vec<Motion, typename H::Scalar>& eta, Passes<H>& x) {
+  x.eta0 = tip.phi.T() * eta - seeded(Fault::tip_right_side, x.a0) +
+           seeded(Fault::tip_gravity, a_g);  // (68), corrected
+  if (faulty(Fault::printed_4_3)) x.eta0 = x.eta0 - a_g;
+}
 /// a_g: in the axes of the tip.
 template <class H>
 constexpr void compliance_at_tip(const ArmLink<H>& tip, const Vec<Motion, typename H::Scalar>& a_g,
                                  const Compliance<typename H::Scalar>& Omega,
                                  const Vec<Motion, typename H::Scalar>& eta, Passes<H>& x) {
-  const auto& phi = tip.phi;         // phi(1,0)
-  x.Omega0 = phi.T() * Omega * phi;  // (60)
-  x.eta0 = phi.T() * eta - seeded(Fault::tip_right_side, x.a0) +
-           seeded(Fault::tip_gravity, a_g);  // (68), corrected
-  if (faulty(Fault::printed_4_3)) x.eta0 = x.eta0 - a_g;
+  const auto& phi = tip.phi;            // phi(1,0)
+  x.Omega0 = phi.T() * Omega * phi;     // (60)
+  right_side_at_tip(tip, a_g, eta, x);  // (68)
 }
 
 /// alpha: of link k+1, becomes that of link k, and eta likewise.
@@ -271,6 +277,19 @@ void sweep_compliance(const BasicArm<H>& arm, const Ground<typename H::Scalar>& 
     compliance_step(arm, Hk, x, k, ground, Omega, eta, see);  // (58), (67)
   });
   compliance_at_tip(arm[0], a_g, Omega, eta, x);  // (60), (68)
+}
+
+/// Sweep 3 for the right side alone: eta0, where Omega(0) of these links is known already.
+template <class H>
+void sweep_right_side(const BasicArm<H>& arm, const Ground<typename H::Scalar>& ground,
+                      const Vec<Motion, typename H::Scalar>& a_g, Passes<H>& x) {
+  ++x.sweeps;
+  Vec<Motion, typename H::Scalar> eta;
+  outward(arm, arm.n(), [&](int k, const H& Hk) {
+    const auto xi = innovation_step(Hk, x[k], bias_with_ground(arm, x, k, ground));  // (66)
+    eta = psi_of(arm, Hk, x, k).T() * eta + seeded(Fault::compliance_bias, xi);      // (67)
+  });
+  right_side_at_tip(arm[0], a_g, eta, x);  // (68)
 }
 
 /// Instead of sweep 3, after sweep 2, tip -> base: the same Omega(0) and eta0, summed over the links while

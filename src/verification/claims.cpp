@@ -32,12 +32,17 @@ double weighted(const Vector6& x, const Vector6& y, const Vector6& scale, const 
 double largest(double x, double y) { return x >= y ? x : y > x ? y : x + y; }
 
 /// Task quantities on all six rows: 0 on those that the task does not control.
-Vector6 spatial(const Vector& x, const TaskRows& rows) {
+template <int most>
+Vector6 spatial(const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most, 1>& x, const TaskRows& rows) {
+  if (are_all_rows(rows)) return Eigen::Map<const Vector6>(x.data());
   Vector6 out = Vector6::Zero();
   for (std::size_t i = 0; i < rows.size(); ++i) out[rows[i]] = x[static_cast<Eigen::Index>(i)];
   return out;
 }
-Matrix6 spatial(const Matrix& A, const TaskRows& rows) {
+template <int most>
+Matrix6 spatial(const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>& A,
+                const TaskRows& rows) {
+  if (are_all_rows(rows)) return Eigen::Map<const Matrix6>(A.data());
   Matrix6 out = Matrix6::Zero();
   for (std::size_t j = 0; j < rows.size(); ++j)
     for (std::size_t i = 0; i < rows.size(); ++i)
@@ -46,6 +51,7 @@ Matrix6 spatial(const Matrix& A, const TaskRows& rows) {
 }
 /// x on the rows that the task controls, 0 on the others.
 Vector6 controlled(const Vector6& x, const TaskRows& rows) {
+  if (are_all_rows(rows)) return x;
   Vector6 out = Vector6::Zero();
   for (const int row : rows) out[row] = x[row];
   return out;
