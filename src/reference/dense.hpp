@@ -93,6 +93,15 @@ JointSpace<S> joint_space(const Chain<S>& chain, const Positions<S>& positions, 
 /// All six rows: wx wy wz vx vy vz.
 inline std::vector<int> all_rows() { return {0, 1, 2, 3, 4, 5}; }
 
+namespace internal {
+/// rows == all_rows()
+inline bool in_order(const std::vector<int>& rows) {
+  bool all = rows.size() == 6;
+  for (int i = 0; all && i < 6; ++i) all = rows[static_cast<std::size_t>(i)] == i;
+  return all;
+}
+}  // namespace internal
+
 /// Omega and what c and g are made of, for the given rows (distinct, 0..5). Divides by the pivots of M only,
 /// so it exists wherever M is positive definite; whether Omega can be inverted is for the caller to find out.
 /// Equation (11).
@@ -108,16 +117,31 @@ Mobility<S> mobility(const Kinematics<S>& tip, const JointSpace<S>& joint,
 template <Field S>
 void mobility(const Kinematics<S>& tip, const JointSpace<S>& joint, const Ldlt<S>& M,
               const std::vector<int>& rows, Jacobian<S>& J_Minv, Mobility<S>& out) {
-  const auto m = static_cast<Eigen::Index>(rows.size());
   J_Minv = tip.J;
   divide(J_Minv, M);
-  Eigen::Matrix<S, 6, 6> Omega = Eigen::Matrix<S, 6, 6>::Zero();
+  Eigen::Matrix<S, 6, 6> Omega;
   Vector6<S> of_C = Vector6<S>::Zero(), of_G = of_C;
-  for (Eigen::Index k = 0; k < tip.J.cols(); ++k) {
-    for (int j = 0; j < 6; ++j) Omega.col(j) += J_Minv.col(k) * tip.J(j, k);
-    of_C += J_Minv.col(k) * joint.C[k];
-    of_G += J_Minv.col(k) * joint.G[k];
+  internal::with_size<S>(tip.J.cols(), [&](const auto size) {
+    const Eigen::Index n = size;
+    for (int j = 0; j < 6; ++j) {
+      Vector6<S> column = Vector6<S>::Zero();
+#pragma GCC unroll 6
+      for (Eigen::Index k = 0; k < n; ++k) column += J_Minv.col(k) * tip.J(j, k);
+      Omega.col(j) = column;
+    }
+#pragma GCC unroll 6
+    for (Eigen::Index k = 0; k < n; ++k)
+      of_C += J_Minv.col(k) * joint.C[k], of_G += J_Minv.col(k) * joint.G[k];
+  });
+  if (internal::in_order(rows)) {  // nothing to choose
+    out.J = tip.J;
+    out.Omega = Omega;
+    out.Jdot_qd = tip.Jdot_qd;
+    out.J_Minv_C = of_C;
+    out.J_Minv_G = of_G;
+    return;
   }
+  const auto m = static_cast<Eigen::Index>(rows.size());
   out.J.resize(m, tip.J.cols());
   for (Eigen::Index k = 0; k < tip.J.cols(); ++k)
     for (Eigen::Index i = 0; i < m; ++i) out.J(i, k) = tip.J(rows[static_cast<std::size_t>(i)], k);
@@ -143,8 +167,9 @@ TaskTerms<S> task_terms(const Mobility<S>& task) {
 template <Field S>
 void task_terms(const Mobility<S>& task, const Ldlt<S>& Omega, TaskTerms<S>& out) {
   inverse(Omega, out.Lambda);
-  out.c = solve(Omega, VectorX<S>(task.J_Minv_C - task.Jdot_qd));
-  out.g = solve(Omega, task.J_Minv_G);
+  out.c = task.J_Minv_C - task.Jdot_qd;
+  out.g = task.J_Minv_G;
+  for (VectorX<S>* v : {&out.c, &out.g}) solve_in_place(Omega, v->data());
 }
 
 /// F = Lambda u + c + g and T = J^T F: the torque that makes the chosen rows of the tip acceleration equal u
@@ -187,6 +212,7 @@ N potential_energy(const Chain<S>& chain, const Positions<N>& positions) {
   how template Ldlt<double> factor(const MatrixX<double>&);                                                \
   how template void factor(const MatrixX<double>&, Ldlt<double>&);                                         \
   how template void inverse(const Ldlt<double>&, MatrixX<double>&);                                        \
+  how template void solve_in_place(const Ldlt<double>&, double*);                                          \
   how template MatrixX<double> solve(const Ldlt<double>&, MatrixX<double>);                                \
   how template VectorX<double> solve(const Ldlt<double>&, VectorX<double>);                                \
   how template Places<Dual<double>> moving_places(const Chain<double>&, const Positions<double>&,          \

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "reference/places.hpp"
+#include "scalar/inlined.hpp"
 
 namespace osculate::dense {
 
@@ -93,13 +94,26 @@ struct Moving {
 
 namespace internal {
 
-/// Pose of a revolute or prismatic joint's link in the joint's frame, by the exponential of the axis.
+/// R a~: its columns are those of R crossed with the axis a of the link.
 template <Field S>
-Rated<Matrix3<S>> turn(const Link<S>& link, const JointPosition<S>& q, const S& qd) {
-  const Vector3<S>& a = link.axis;
-  const Matrix3<S> K = cross_matrix(a);
-  const Matrix3<S> KK = a * a.transpose() - a.dot(a) * Matrix3<S>::Identity();  // K K
-  return {Matrix3<S>::Identity() + q.s * K + (S(1) - q.c) * KK, (q.c * qd) * K + (q.s * qd) * KK};
+Matrix3<S> along(const Matrix3<S>& R, const Vector3<S>& a) {
+  Matrix3<S> out;
+  out.col(0) = R.col(1) * a[2] - R.col(2) * a[1];
+  out.col(1) = R.col(2) * a[0] - R.col(0) * a[2];
+  out.col(2) = R.col(0) * a[1] - R.col(1) * a[0];
+  return out;
+}
+
+/// Axes of the link of a revolute joint from those of the joint, R exp(q a~), and their rate. Ra: R a, for a
+/// unit vector a.
+template <Field S>
+Rated<Matrix3<S>> turned(const Rated<Matrix3<S>>& R, const Rated<Vector3<S>>& Ra, const Vector3<S>& a,
+                         const JointPosition<S>& q, const S& qd) {
+  const Vector3<S> rest = (S(1) - q.c) * a;
+  Rated<Matrix3<S>> out;
+  out.value = R.value * q.c + along(R.value, a) * q.s + Ra.value * rest.transpose();
+  out.rate = R.rate * q.c + along(R.rate, a) * q.s + Ra.rate * rest.transpose() + along(out.value, a) * qd;
+  return out;
 }
 
 /// The unit motions of a joint of several axes. R_joint: axes of its frame; R: of its link.
@@ -148,8 +162,8 @@ void move(const Chain<S>& chain, const Positions<S>& positions, const VectorX<S>
     UnitMotion<S>* const motion = &out.motions[static_cast<std::size_t>(column)];
     here.origin = joint;
     if (link.type == JointType::revolute) {
-      R = R_joint * turn(link, q, qd[column]);
       *motion = {R_joint * link.axis, {zero, zero}};
+      R = turned(R_joint, motion->ang, link.axis, q, qd[column]);
     } else if (link.type == JointType::prismatic) {
       R = R_joint;
       *motion = {{zero, zero}, R_joint * link.axis};
@@ -198,10 +212,17 @@ void tip_motion(const Moving<S>& at, const VectorX<S>& qd, const BaseMotion<S>& 
   out.Jdot_qd << w.rate, v.rate;
 }
 
-/// m (c^2 1 - c c*): what a mass m (or anything that adds like one) at c adds to an inertia.
+/// Adds 2 a.b 1 - a b* - b a* to A: a = b m / 2 makes it the inertia of a mass m at b.
 template <Field S>
-Matrix3<S> point_inertia(const S& m, const Vector3<S>& c) {
-  return (m * c.dot(c)) * Matrix3<S>::Identity() - (m * c) * c.transpose();
+void add_points(Matrix3<S>& A, const Vector3<S>& a, const Vector3<S>& b) {
+  const S x = a[0] * b[0], y = a[1] * b[1], z = a[2] * b[2];
+  A(0, 0) += S(2) * (y + z);
+  A(1, 1) += S(2) * (x + z);
+  A(2, 2) += S(2) * (x + y);
+  const S xy = a[0] * b[1] + a[1] * b[0], xz = a[0] * b[2] + a[2] * b[0], yz = a[1] * b[2] + a[2] * b[1];
+  A(0, 1) -= xy, A(1, 0) -= xy;
+  A(0, 2) -= xz, A(2, 0) -= xz;
+  A(1, 2) -= yz, A(2, 1) -= yz;
 }
 
 /// Tip to base: M = sum J_i* M_i J_i, C = sum J_i* (rates of momentum), G = - sum J_i* (weights), where the
@@ -221,10 +242,9 @@ void joint_sums(const Chain<S>& chain, const Moving<S>& at, JointSpace<S>& out) 
     const MovingLink<S>& here = at.links[static_cast<std::size_t>(i)];
     if (i + 1 < chain.n()) {  // to the origin of this link: r becomes r + d
       const Vector3<S> d = at.links[static_cast<std::size_t>(i) + 1].origin.value - here.origin.value;
-      const Matrix3<S> mixed = first * d.transpose();
-      inertia +=
-          (S(2) * first.dot(d)) * Matrix3<S>::Identity() - mixed - mixed.transpose() + point_inertia(mass, d);
-      first += mass * d;
+      const Vector3<S> half = (mass / S(2)) * d;
+      add_points(inertia, Vector3<S>(first + half), d);
+      first += half + half;
       moment += d.cross(force);
     }
     const Vector3<S> c = here.com.value - here.origin.value, w = here.w.value;
@@ -233,7 +253,8 @@ void joint_sums(const Chain<S>& chain, const Moving<S>& at, JointSpace<S>& out) 
     const Vector3<S> rate = link.mass * here.com_acceleration;
     mass += link.mass;
     first += link.mass * c;
-    inertia += I + point_inertia(link.mass, c);
+    inertia += I;
+    add_points(inertia, Vector3<S>((link.mass / S(2)) * c), c);
     moment += I * here.w.rate + w.cross(Iw) + c.cross(rate);
     force += rate;
 
@@ -270,9 +291,9 @@ void joint_sums(const Chain<S>& chain, const Moving<S>& at, JointSpace<S>& out) 
 template <Field S>
 void state(const Chain<S>& chain, const Positions<S>& positions, const VectorX<S>& qd,
            const BaseMotion<S>& base, Moving<S>& at, State<S>& out) {
-  internal::move(chain, positions, qd, base, at);
-  internal::tip_motion(at, qd, base, out.tip);
-  internal::joint_sums(chain, at, out.joint);
+  inlined<S>([&] { internal::move(chain, positions, qd, base, at); });
+  inlined<S>([&] { internal::tip_motion(at, qd, base, out.tip); });
+  inlined<S>([&] { internal::joint_sums(chain, at, out.joint); });
 }
 template <Field S>
 State<S> state(const Chain<S>& chain, const Positions<S>& positions, const VectorX<S>& qd,
