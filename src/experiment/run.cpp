@@ -45,8 +45,8 @@ constexpr double singular_condition = 1e6;
 /// Kinetic energy of motion that the tip does not see, J: (qd* M qd - V* Lambda V) / 2 of the model.
 double self_motion(const Evidence& e) {
   if (e.terms.Lambda.size() == 0) return std::numeric_limits<double>::quiet_NaN();
-  const VectorX<double> V = e.task.J * e.qd;
-  return (e.qd.dot(e.model.joint.M * e.qd) - V.dot(e.terms.Lambda * V)) / 2;
+  const UpTo6 V = e.task.J.lazyProduct(e.qd);
+  return (e.qd.dot(e.model.joint.M.lazyProduct(e.qd)) - V.dot(e.terms.Lambda.lazyProduct(V))) / 2;
 }
 
 /// The run while it goes on.

@@ -144,13 +144,6 @@ double condition(const Square& A, const Square& A_inv, const dense::Ldlt<double>
   if (!(factor.D.minCoeff() > 0)) return std::numeric_limits<double>::infinity();
   return largest_eigenvalue(A) * largest_eigenvalue(A_inv);
 }
-/// The same of M scaled to unit diagonal.
-template <class Square>
-double scaled_condition(const Matrix& M, const Matrix& Minv, const dense::Ldlt<double>& factor) {
-  const Vector s = M.diagonal().cwiseSqrt(), s_inv = s.cwiseInverse();
-  return condition<Square>(s_inv.asDiagonal() * M * s_inv.asDiagonal(),
-                           s.asDiagonal() * Minv * s.asDiagonal(), factor);
-}
 
 /// Sizes of the motions that joint rates (or accelerations) x and the motion `base` of the base add up to at
 /// the tip: angular, and linear with every lever as long as the reach, because the sum goes through the
@@ -178,29 +171,35 @@ Residual kinematics(const Evidence& e) {
   return bounded(Claim::kinematics, worst, 1);
 }
 
-/// The plant's accelerations against M^-1 (T - C - G + J* F_ext).
-Residual forward_dynamics(const Evidence& e, const Matrix& Minv) {
+/// The plant's accelerations against M^-1 (T - C - G + J* F_ext). joints: how many, or Eigen::Dynamic.
+template <int joints>
+Residual forward_dynamics(const Evidence& e) {
+  using Column = Eigen::Matrix<double, joints, 1>;
+  using Square = Eigen::Matrix<double, joints, joints>;
   const auto& [tip, joint] = e.plant;
   const Eigen::Index n = joint.C.size();
-  Vector right(n), sizes(n);
+  const Eigen::Map<const Square> M(joint.M.data(), n, n), Minv(e.plant_Minv.data(), n, n);
+  Column right(n), sizes(n);
   const Vector6 push = e.tip_force.cwiseAbs();
   for (Eigen::Index k = 0; k < n; ++k) {
     right[k] = e.net_torque[k] - joint.C[k] - joint.G[k] + tip.J.col(k).dot(e.tip_force);
     sizes[k] = std::abs(e.net_torque[k]) + std::abs(joint.C[k]) + std::abs(joint.G[k]) +
                tip.J.col(k).cwiseAbs().dot(push);
   }
-  const Vector qdd = dense::solve(e.plant_M, std::move(right));
+  dense::solve_in_place(e.plant_M, right.data());
+  const Column& qdd = right;
+  const Column s = M.diagonal().cwiseSqrt(), s_inv = s.cwiseInverse();
   double off = 0, scale = 0;
   for (Eigen::Index k = 0; k < n; ++k) {
-    const double weight = std::sqrt(joint.M(k, k));
     double size = 0;
     for (Eigen::Index i = 0; i < n; ++i) size += std::abs(Minv(i, k)) * sizes[i];
-    off = largest(off, std::abs(e.qdd[k] - qdd[k]) * weight);
-    scale = largest(scale, size * weight);
+    off = largest(off, std::abs(e.qdd[k] - qdd[k]) * s[k]);
+    scale = largest(scale, size * s[k]);
   }
-  const double condition = n == 6 ? scaled_condition<Matrix6>(joint.M, Minv, e.plant_M)
-                                  : scaled_condition<Matrix>(joint.M, Minv, e.plant_M);
-  return bounded(Claim::forward_dynamics, ratio(off, scale), condition);
+  // of M scaled to unit diagonal
+  const double scaled_condition = condition<Square>(s_inv.asDiagonal() * M * s_inv.asDiagonal(),
+                                                    s.asDiagonal() * Minv * s.asDiagonal(), e.plant_M);
+  return bounded(Claim::forward_dynamics, ratio(off, scale), scaled_condition);
 }
 
 /// Second derivatives of the tip's coordinates: those commanded, those reached and those that the tracking
@@ -240,9 +239,11 @@ void fill_dense_side(Evidence& e, const Chain<double>& model, const Chain<double
   if (!e.equal_arms) {
     dense::state(model, e.joints, e.qd, e.base, e.moving, e.model);
     dense::factor(e.model.joint.M, e.model_M);
+    dense::inverse(e.model_M, e.model_Minv);
   }
   dense::state(plant, e.joints, e.qd, e.base, e.moving, e.plant);
   dense::factor(e.plant.joint.M, e.plant_M);
+  dense::inverse(e.plant_M, e.plant_Minv);
   if (e.equal_arms) {  // the dense side's own work, shared with itself
     e.model = e.plant;
     e.model_M = e.plant_M;
@@ -278,9 +279,8 @@ Residuals assess(const Evidence& e) {
   out.fill(not_applicable());
   const auto at = [&out](Claim claim) -> Residual& { return out[index(claim)]; };
   at(Claim::kinematics) = kinematics(e);
-  Matrix Minv;
-  dense::inverse(e.plant_M, Minv);
-  at(Claim::forward_dynamics) = forward_dynamics(e, Minv);
+  at(Claim::forward_dynamics) =
+      e.qdd.size() == 6 ? forward_dynamics<6>(e) : forward_dynamics<Eigen::Dynamic>(e);
 
   // the task: Omega, then everything that its inverse multiplies
   const Matrix6 Omega = spatial(e.task.Omega, e.rows);
@@ -290,7 +290,7 @@ Residuals assess(const Evidence& e) {
     if (!(d[row] > 0)) return out;
     d_inv[row] = 1 / d[row];
   }
-  if (!e.equal_arms) dense::inverse(e.model_M, Minv);
+  const Matrix& Minv = e.equal_arms ? e.plant_Minv : e.model_Minv;
   const double spread_of_Omega = spread(e, Minv, d);
   const Matrix6 dd = d * d.transpose();
   if (e.recursive.Omega.size() > 0) {

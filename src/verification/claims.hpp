@@ -115,6 +115,7 @@ struct Evidence {
   // what they were made of, and is needed again
   bool equal_arms = false;                      // model and plant are the same chain
   dense::Ldlt<double> model_M, plant_M, Omega;  // factors of the model's M, the plant's M, the task's Omega
+  MatrixX<double> model_Minv, plant_Minv;       // M^-1 of both; of equal arms the plant's alone
   dense::Jacobian<double> J_Minv;               // J M^-1 of the model, all six rows
   dense::Moving<double> moving;                 // the plant's links
   std::vector<JointPosition<double>> joints;

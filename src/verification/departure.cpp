@@ -31,12 +31,9 @@ Departure::Departure(TaskRows rows, TaskRows tracked, JointLimits limits)
     : rows_(std::move(rows)), tracked_(std::move(tracked)), limits_(std::move(limits)) {}
 
 Departure::Lengths Departure::lengths(const Vector6& v, const TaskRows& rows) {
-  Lengths out;
-  for (const int row : rows) {
-    double& length = row < 3 ? out.angular : out.linear;
-    length = std::hypot(length, v[row]);
-  }
-  return out;
+  double squares[2] = {0, 0};
+  for (const int row : rows) squares[row / 3] += v[row] * v[row];
+  return {std::sqrt(squares[0]), std::sqrt(squares[1])};
 }
 
 void Departure::add(double t, double h, const DepartureInput& at) {
