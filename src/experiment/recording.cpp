@@ -180,9 +180,10 @@ Compliance<double> compliance(const UpTo6x6& a) {
 void push(std::vector<double>& row, std::span<const double> values) {
   row.insert(row.end(), values.begin(), values.end());
 }
+/// Column by column.
 template <class Derived>
-void push(std::vector<double>& row, const Eigen::MatrixBase<Derived>& values) {
-  for (Eigen::Index i = 0; i < values.size(); ++i) row.push_back(values(i));
+void push(std::vector<double>& row, const Eigen::PlainObjectBase<Derived>& values) {
+  row.insert(row.end(), values.data(), values.data() + values.size());
 }
 
 void push_ellipsoid(std::vector<double>& row, const Ellipsoid& ellipsoid) {
