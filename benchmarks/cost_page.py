@@ -18,10 +18,11 @@ core, build `{build}`, the best of several runs for each part. The last columns 
 
 {table}
 
-- A row of the record is one more evaluation of the loop at the output time, Omega, Lambda, c and g once more, two sets of
-  eigenvalues of Omega, and some 200 numbers of its file.
-- A check is the loop at the step's end, the recursions' terms, the dense side (kinematics, M, C, G, two factorisations,
-  task terms) and the residuals with their bounds; where there is a shadow run, the loop at its state too.
+- A row of the record is one more evaluation of the loop at the output time, Lambda, c and g from its sweeps and two more,
+  the eigenvalues of Omega by two scales and of its two blocks, and some 200 numbers of its file.
+- A check is the loop at the step's end, the recursions' terms from its sweeps and two more, the dense side (kinematics, M,
+  C, G, two factorisations, task terms) and the residuals with their bounds; where there is a shadow run, the tip and the
+  energies at its state too.
 - The file has about 160 objects and 450 attributes, which HDF5 makes at a fixed cost: it governs runs of milliseconds.
 - Cheaper: `verify: {{every: 10}}` checks every tenth step, `verify: {{shadow: false}}` goes without the error estimate and the
   claims that need it, a larger `output.interval` records fewer rows, `osculate verify` writes no file.

@@ -105,10 +105,13 @@ std::string TrajectoryClaims::reason(Claim claim) const {
 }
 
 PoseError TrajectoryClaims::exact_error(double t) const {
+  const Vector6 &K = options_.stiffness, &D = options_.damping;
+  const double since = t - segment_start_;
+  LinearResponse response(K[0], D[0], since);
   PoseError out;
   for (Eigen::Index i = 0; i < 6; ++i) {
-    const ErrorState s = linear_response(options_.stiffness[i], options_.damping[i],
-                                         {segment_.e[i], segment_.ed[i]}, t - segment_start_);
+    if (i > 0 && !(K[i] == K[i - 1] && D[i] == D[i - 1])) response = LinearResponse(K[i], D[i], since);
+    const ErrorState s = response.from({segment_.e[i], segment_.ed[i]});
     out.e[i] = s.e;
     out.ed[i] = s.ed;
   }
