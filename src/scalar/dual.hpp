@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <concepts>
 
+#include "scalar/exact_product.hpp"
 #include "scalar/field.hpp"
 
 namespace osculate {
@@ -44,6 +45,9 @@ struct Dual {
     return {quotient, (x.derivative - quotient * y.derivative) / y.value};
   }
 };
+
+template <class S>
+inline constexpr bool exact_numbers<Dual<S>> = exact_numbers<S>;
 
 /// The values of a matrix of dual numbers, same shape.
 template <class Derived>

@@ -7,11 +7,14 @@
 #include <memory>
 #include <ostream>
 
+#include "scalar/exact_product.hpp"
 #include "scalar/field.hpp"
 
 namespace osculate {
 
 class Rational;
+template <>
+inline constexpr bool exact_numbers<Rational> = true;
 using MatrixOfFractions = Eigen::Matrix<Rational, Eigen::Dynamic, Eigen::Dynamic>;
 
 /// A fraction in lowest terms. Slow, and slower as numerators grow: keep inputs to small integers over small

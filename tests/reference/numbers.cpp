@@ -77,6 +77,31 @@ TEST_CASE("matrices of dual numbers follow the product rule exactly") {
   CHECK(derivatives(a * b) == M(A * dB + dA * B));
 }
 
+TEST_CASE(
+    "products of matrices of fractions are those of whole numbers over doubles, which are exact there") {
+  Random random(4);
+  const auto whole = [&](int rows, int columns) {
+    return MatrixX<double>(
+        MatrixX<double>::NullaryExpr(rows, columns, [&] { return random.integer(-99, 99); }));
+  };
+  using Q = MatrixX<Rational>;
+  for (const int n : {1, 5, 25}) {
+    const MatrixX<double> a = whole(n, 9), b = whole(9, n), c = whole(n, n), v = whole(9, 1);
+    const Q A = a.cast<Rational>(), B = b.cast<Rational>(), v_exact = v.cast<Rational>();
+    Q C = c.cast<Rational>();
+    const auto exact = [](const MatrixX<double>& x) { return Q(x.cast<Rational>()); };
+    CHECK(Q(A * B) == exact(a * b));
+    CHECK(Q(B.transpose() * A.transpose()) == exact((a * b).transpose()));
+    CHECK(Q(A * VectorX<Rational>(v_exact)) == exact(a * v));
+    C += A * B;
+    CHECK(C == exact(c + a * b));
+    C -= Rational(3) * A * B;
+    CHECK(C == exact(c - 2 * a * b));
+    C = C * C;  // what is written is read
+    CHECK(C == exact((c - 2 * a * b) * (c - 2 * a * b)));
+  }
+}
+
 TEST_CASE("rationals are fractions in lowest terms") {
   CHECK(Rational(1, 3) + Rational(1, 6) == Rational(1, 2));
   CHECK(Rational(1, 3) - Rational(1, 3) == Rational(0));
