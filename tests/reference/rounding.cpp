@@ -1,7 +1,6 @@
 // The dense formulation over doubles: how far rounding takes it from what it is over exact numbers, and that
 // the law of the task holds to eps times the condition of Omega. Exact runs take the very same doubles as
 // fractions.
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -12,6 +11,7 @@
 #include "scalar/eps.hpp"
 #include "scalar/rational.hpp"
 #include "support/catch.hpp"
+#include "support/singular_values.hpp"
 
 using namespace osculate;
 using osculate::random_arm;
@@ -32,7 +32,7 @@ double error(const X& x, const E& exact) {
 /// cond of Omega scaled to unit diagonal.
 double condition(const Matrix& Omega) {
   const Vector d = Omega.diagonal().cwiseSqrt().cwiseInverse();
-  const Vector sigma = Eigen::JacobiSVD<Matrix>(d.asDiagonal() * Omega * d.asDiagonal()).singularValues();
+  const Vector sigma = testing::singular_values(d.asDiagonal() * Omega * d.asDiagonal());
   return sigma[0] / sigma[sigma.size() - 1];
 }
 

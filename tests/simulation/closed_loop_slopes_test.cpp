@@ -1,7 +1,6 @@
 // The Jacobian of the closed loop against central differences of its right side, and what bdf makes of it.
 #include "simulation/closed_loop_slopes.hpp"
 
-#include <Eigen/SVD>
 #include <cmath>
 
 #include "control/quick_arm.hpp"
@@ -9,6 +8,7 @@
 #include "scalar/eps.hpp"
 #include "simulation/integrator.hpp"
 #include "support/catch.hpp"
+#include "support/singular_values.hpp"
 
 namespace osculate::testing::closed_loop_slopes_tests {
 using namespace osculate::test;
@@ -73,8 +73,7 @@ MatrixX<double> bound(ClosedLoop& loop, double t, const std::vector<double>& y, 
   const Eigen::Map<const VectorX<double>> torque(at.torque.data(), loop.velocities());
   const auto moved =
       dense::state<double>(loop.plant().chain, positions<double>(loop.plant().chain, at.q), qd, loop.base(t));
-  const Eigen::JacobiSVD<MatrixX<double>> M(moved.joint.M);
-  const VectorX<double> sizes = M.singularValues();
+  const VectorX<double> sizes = singular_values(moved.joint.M);
   const double condition = sizes[0] / sizes[sizes.size() - 1];
   const TaskRows rows =
       loop.controller().options().law == Law::free ? all_rows() : loop.controller().options().rows;
@@ -83,7 +82,7 @@ MatrixX<double> bound(ClosedLoop& loop, double t, const std::vector<double>& y, 
   for (Eigen::Index i = 0; i < Omega.rows(); ++i)
     for (Eigen::Index j = 0; j < Omega.cols(); ++j)
       Omega(i, j) = component(all, rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
-  const VectorX<double> task = Eigen::JacobiSVD<MatrixX<double>>(Omega).singularValues();
+  const VectorX<double> task = singular_values(Omega);
   const double law = loop.controller().options().law == Law::free ? 1.0 : task[0] / task[task.size() - 1];
   const double forces = torque.norm() + moved.joint.C.norm() + moved.joint.G.norm() + at.tip_force.norm();
   const double rounding = static_cast<double>(loop.velocities()) * eps * condition * law;
