@@ -6,7 +6,6 @@
 
 #include "model/chain.hpp"
 #include "scalar/inlined.hpp"
-#include "scalar/lanes.hpp"
 
 namespace osculate::dense {
 

@@ -197,4 +197,75 @@ TEST_CASE("kinematics are shared only where plant and controller agree on arm an
   for (const LawOptions& law : {sampled, carried, swings, resolved}) CHECK(!shares(law, same));
 }
 
+TEST_CASE("a state is where it is observed, and its terms know no torque and no wrench that the law knows") {
+  const double eps = std::numeric_limits<double>::epsilon();
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const QuickArm arm = quick_arm(seed, 6);
+    const std::span<const double> q{arm.q.data(), 6};
+    INFO(arm.name);
+    std::vector<double> y(15, 0.25);
+    std::copy(arm.q.begin(), arm.q.end(), y.begin());
+    std::copy(arm.qd.begin(), arm.qd.end(), y.begin() + 6);
+    const auto loop_of = [&](const Setting& s) {
+      return ClosedLoop(Controller(arm.chain, {}, s.law, make_path(CircleOptions{}),
+                                   tip_pose(arm.chain, q, base_motion(s.law.base_path.get(), 0))),
+                        s.plant);
+    };
+    Setting plain;
+    plain.plant.chain = arm.chain;
+    plain.law.rows = {3, 4, 5};
+    Setting pushes = plain, feels = plain, other = plain, carried = plain, resolved = plain;
+    pushes.law.null_space.damping = 1;
+    feels.plant.tip_force[4] = 3;
+    feels.law.know_tip_force = true;
+    other.plant.chain.links.back().mass += 1;
+    carried.law.base_path = make_path(CircleOptions{.radius = 0.2});
+    resolved.law.law = Law::resolved_acceleration;
+    resolved.law.rows = all_rows();
+
+    for (const Setting& setting : {plain, pushes, feels, other, carried, resolved}) {
+      ClosedLoop loop = loop_of(setting);
+      const Observation seen = loop.observe(0.3, y);
+      const Whereabouts at = loop.locate(0.3, y);
+      // Recursions along six joints in a reach of a few metres, by the same or by other lines.
+      CHECK((at.tip.pose.R - seen.command.tip.R).norm() <= 6 * eps * 10);
+      CHECK((at.tip.pose.p - seen.command.tip.p).norm() <= 6 * eps * 10);
+      CHECK((at.tip.velocity - seen.command.tip_velocity).norm() <= 6 * eps * 10 * (1 + arm.qd.norm()));
+      CHECK(at.kinetic == Approx(seen.kinetic).epsilon(6 * eps));
+      CHECK(at.potential == Approx(seen.potential).epsilon(6 * eps));
+      CHECK(at.work == seen.work);
+      CHECK(at.dissipated == seen.dissipated);
+      CHECK(at.external_work == seen.external_work);
+      CHECK(std::equal(at.q.begin(), at.q.end(), seen.q.begin(), seen.q.end()));
+    }
+
+    ClosedLoop quiet = loop_of(plain);
+    const std::span<const double> qd{arm.qd.data(), 6};
+    quiet.observe(0.3, y);
+    const RecursiveTerms due = quiet.controller().terms(qd);
+    for (const Setting& setting : {pushes, feels, plain}) {
+      ClosedLoop loop = loop_of(setting);
+      loop.observe(0.3, y);
+      for (int times = 0; times < 2; ++times) {  // the second one finds the sweeps at the right side of c
+        const long before = requests;
+        const RecursiveTerms& terms = loop.controller().terms(qd);
+        CHECK(requests == before);
+        // the same lines, see above; cond(Omega) < 1e5
+        CHECK((terms.c_plus_g - due.c_plus_g).norm() <= 6 * eps * 1e5 * due.c_plus_g.norm());
+        CHECK((terms.c - due.c).norm() <= 6 * eps * 1e5 * due.c.norm());
+        CHECK((terms.g - due.g).norm() <= 6 * eps * 1e5 * due.g.norm());
+      }
+    }
+  }
+}
+
+TEST_CASE("a restart point does not overfill what has room for six") {
+  VectorX<double> seven = VectorX<double>::Ones(7);
+  UpTo6 six;
+  Memory written;
+  written(seven);
+  Memory read(written.numbers());
+  CHECK_THROWS_AS(read(six), MemoryMismatch);
+}
+
 }  // namespace osculate::testing::closed_loop_tests
