@@ -94,26 +94,13 @@ struct Moving {
 
 namespace internal {
 
-/// R a~: its columns are those of R crossed with the axis a of the link.
+/// Pose of a revolute or prismatic joint's link in the joint's frame, by the exponential of the axis.
 template <Field S>
-Matrix3<S> along(const Matrix3<S>& R, const Vector3<S>& a) {
-  Matrix3<S> out;
-  out.col(0) = R.col(1) * a[2] - R.col(2) * a[1];
-  out.col(1) = R.col(2) * a[0] - R.col(0) * a[2];
-  out.col(2) = R.col(0) * a[1] - R.col(1) * a[0];
-  return out;
-}
-
-/// Axes of the link of a revolute joint from those of the joint, R exp(q a~), and their rate. Ra: R a, for a
-/// unit vector a.
-template <Field S>
-Rated<Matrix3<S>> turned(const Rated<Matrix3<S>>& R, const Rated<Vector3<S>>& Ra, const Vector3<S>& a,
-                         const JointPosition<S>& q, const S& qd) {
-  const Vector3<S> rest = (S(1) - q.c) * a;
-  Rated<Matrix3<S>> out;
-  out.value = R.value * q.c + along(R.value, a) * q.s + Ra.value * rest.transpose();
-  out.rate = R.rate * q.c + along(R.rate, a) * q.s + Ra.rate * rest.transpose() + along(out.value, a) * qd;
-  return out;
+Rated<Matrix3<S>> turn(const Link<S>& link, const JointPosition<S>& q, const S& qd) {
+  const Vector3<S>& a = link.axis;
+  const Matrix3<S> K = cross_matrix(a);
+  const Matrix3<S> KK = a * a.transpose() - a.dot(a) * Matrix3<S>::Identity();  // K K
+  return {Matrix3<S>::Identity() + q.s * K + (S(1) - q.c) * KK, (q.c * qd) * K + (q.s * qd) * KK};
 }
 
 /// The unit motions of a joint of several axes. R_joint: axes of its frame; R: of its link.
@@ -162,8 +149,8 @@ void move(const Chain<S>& chain, const Positions<S>& positions, const VectorX<S>
     UnitMotion<S>* const motion = &out.motions[static_cast<std::size_t>(column)];
     here.origin = joint;
     if (link.type == JointType::revolute) {
+      R = R_joint * turn(link, q, qd[column]);
       *motion = {R_joint * link.axis, {zero, zero}};
-      R = turned(R_joint, motion->ang, link.axis, q, qd[column]);
     } else if (link.type == JointType::prismatic) {
       R = R_joint;
       *motion = {{zero, zero}, R_joint * link.axis};
