@@ -13,16 +13,16 @@ struct MeasuredBound {
 };
 inline constexpr unsigned long measured_states = 100000;
 inline constexpr std::array<MeasuredBound, 11> measured_bounds{{
-    {"omega", 110, 44.1, 39202},
-    {"lambda", 3.35, 1.34, 4545},
+    {"omega", 70, 28, 39202},
+    {"lambda", 3.23, 1.29, 48764},
     {"c", 2.51, 1, 77705},
-    {"g", 1.12, 0.449, 17532},
-    {"c_plus_g", 1.16, 0.463, 78721},
-    {"torque", 1.01, 0.406, 7386},
-    {"forward_dynamics", 262, 105, 66009},
-    {"linearization", 2.79, 1.11, 12353},
+    {"g", 0.998, 0.399, 17532},
+    {"c_plus_g", 0.873, 0.349, 17532},
+    {"torque", 1.04, 0.418, 71840},
+    {"forward_dynamics", 162, 64.9, 45208},
+    {"linearization", 2.11, 0.845, 75602},
     {"kinematics", 33.9, 13.6, 13751},
-    {"null_space", 0.159, 0.0635, 37454},
+    {"null_space", 0.227, 0.0906, 37454},
     {"coordinates", 4.19, 1.68, 7013},
 }};
 
