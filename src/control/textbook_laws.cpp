@@ -9,6 +9,7 @@
 // is what their public code or documentation says of them.
 #include "control/textbook_laws.hpp"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <stdexcept>
@@ -25,15 +26,19 @@ using dense::solve;
 using Factor = dense::Ldlt<double>;
 
 // A pivot of L D L^T below this fraction of its diagonal entry has lost all but a few bits: rank loss in
-// double.
+// double. What rounding leaves of it grows as the pivots before it shrink.
 constexpr double pivot_floor = 1e-13;
 
 /// The factor of a positive definite matrix; nullopt where it has lost rank. Neither changes when rows and
 /// columns are scaled.
 std::optional<Factor> regular(const Matrix& A) {
   Factor f = dense::factor(A);
-  for (Eigen::Index i = 0; i < f.D.size(); ++i)
-    if (!(f.D[i] > pivot_floor * A(i, i))) return std::nullopt;
+  double smallest = 1;  // pivot so far, over its diagonal entry
+  for (Eigen::Index i = 0; i < f.D.size(); ++i) {
+    const double left = f.D[i] / A(i, i);
+    if (!(left * smallest > pivot_floor)) return std::nullopt;
+    smallest = std::min(smallest, left);
+  }
   return f;
 }
 
