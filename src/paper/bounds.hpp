@@ -73,32 +73,32 @@ inline constexpr std::array<PaperBound, 94> paper_bounds{{
     {4.91, 1.23, 59022},  // - psi(k+1,k) G(k) = K(k+1,k) Jm(k) D(k)^-1
     {4.84, 1.21, 35922},  // - P(k) = P*(k)
     {6.64, 1.66, 59542},  // - Omega(k) = Omega*(k)
-    {84.2, 21.1, 61977},  // (37) P(k) by recursion
-    {56.1, 14, 63604},  // (37) D(k) by recursion
+    {74.2, 18.5, 61977},  // (37) P(k) by recursion
+    {43.9, 11, 29195},  // (37) D(k) by recursion
     {658, 164, 51212},  // (37) G(k) by recursion
-    {1.65e+03, 413, 38188},  // (37) K(k+1,k) by recursion
+    {1.56e+03, 391, 94657},  // (37) K(k+1,k) by recursion
     {838, 209, 41498},  // (37) psi(k+1,k) by recursion
-    {3.41e+03, 854, 23721},  // (37) psi(n+1,n) by recursion
+    {3.65e+03, 914, 23721},  // (37) psi(n+1,n) by recursion
     {16.1, 4.02, 44977},  // (39) T = J* F
     {12.9, 3.24, 50841},  // (41) V(k) by recursion
     {33.4, 8.35, 48187},  // (41) V(0) = J thd
     {6.74, 1.69, 65086},  // (47) b(k) of link k
     {9.19, 2.3, 70864},  // (48) a(k) of joint k
     {34.2, 8.55, 15700},  // (48) a(0)
-    {20.9, 5.23, 29780},  // (51) thdd = M^-1 (T - C - G + J* F)
-    {16.2, 4.04, 31011},  // (8) tip acceleration = J thdd + Jdot thd
-    {2.48e+03, 620, 23721},  // (58) Omega(k) by recursion
+    {19.4, 4.85, 345},  // (51) thdd = M^-1 (T - C - G + J* F)
+    {17.2, 4.31, 345},  // (8) tip acceleration = J thdd + Jdot thd
+    {7.59e+03, 1.9e+03, 69571},  // (58) Omega(k) by recursion
     {29.5, 7.38, 66409},  // (60) Omega(0) = J M^-1 J*
-    {73.7, 18.4, 61977},  // (66) z = psi (P a' + b), a' = a + E* a_g
-    {63.7, 15.9, 41625},  // (66) xi = H* D^-1 H z - a'
-    {63.7, 15.9, 41625},  // (67) eta = psi* xi
+    {64.4, 16.1, 61977},  // (66) z = psi (P a' + b), a' = a + E* a_g
+    {61.4, 15.4, 41625},  // (66) xi = H* D^-1 H z - a'
+    {61.4, 15.4, 41625},  // (67) eta = psi* xi
     {8.39e+03, 2.1e+03, 75600},  // (68) eta(0) - a(0) = Omega(0) c(0)
-    {2.93e+03, 731, 23721},  // (73) eta = psi* W* a_g
-    {92.7, 23.2, 92762},  // (74) phi*(1,0) (alpha(1) - eta(1)) = Omega(0) g(0)
+    {2.89e+03, 722, 23721},  // (73) eta = psi* W* a_g
+    {94.1, 23.5, 92762},  // (74) phi*(1,0) (alpha(1) - eta(1)) = Omega(0) g(0)
     {67.6, 16.9, 34545},  // section 4.3 one pass, with + a_g at the tip: Omega(0) (c(0) + g(0))
     {637, 159, 4117},  // (4), (16) T in four sweeps = J* Lambda (u + J M^-1 (C + G) - Jdot thd)
     {242, 60.5, 97830},  // (13) the same with a null-space torque T0, in the same sweeps
-    {31.3, 7.82, 36946},  // (2) the same with a known wrench on the tip: z(0) = -F
+    {11.7, 2.92, 55312},  // (2) the same with a known wrench on the tip: z(0) = -F
     {663, 166, 2149},  // section 2 the same on a base that moves as prescribed
     {637, 159, 4117},  // section 2 the same through joints of any kind
     {637, 159, 4117},  // section 2 the same by resolved acceleration
@@ -106,7 +106,7 @@ inline constexpr std::array<PaperBound, 94> paper_bounds{{
     {250, 62.5, 97830},  // section 4.2 old velocity terms at a frozen state, third sample: the same
     {250, 62.5, 97830},  // section 5 old F_c at a frozen state, third sample: the same
     {250, 62.5, 97830},  // section 5 two sweeps at a frozen state, third sample: the same
-    {24.2, 6.05, 24197},  // - kinetic energy = thd* M thd / 2
+    {24, 6, 69036},  // - kinetic energy = thd* M thd / 2
 }};
 // clang-format on
 
