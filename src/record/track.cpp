@@ -36,7 +36,7 @@ std::size_t repeated(std::span<const T> block, std::size_t row) {
 
 hsize_t rows_in_chunk(std::size_t widest_row_bytes) {
   hsize_t rows = 256;
-  while (rows > 16 && rows * widest_row_bytes > 131072) rows /= 2;
+  while (rows > 16 && rows * widest_row_bytes > 65536) rows /= 2;
   return rows;
 }
 
