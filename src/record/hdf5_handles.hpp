@@ -120,7 +120,7 @@ inline Handle file_access(bool lock) {
   H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   H5Pset_sieve_buf_size(access, 0);        // what is written reaches the file, or fails, at once
-  H5Pset_cache(access, 0, 7, 131072, 1.0);  // one chunk of each variable: they are written once, never read
+  H5Pset_cache(access, 0, 7, 65536, 1.0);  // one chunk of each variable: they are written once, never read
   H5Pset_file_locking(access, lock, true);
   return access;
 }

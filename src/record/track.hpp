@@ -10,7 +10,7 @@
 
 namespace osculate::hdf5 {
 
-/// Rows in a chunk: the power of two in [16, 256] that keeps a chunk of the widest variable within 128 KiB.
+/// Rows in a chunk: the power of two in [16, 256] that keeps a chunk of the widest variable within 64 KiB.
 hsize_t rows_in_chunk(std::size_t widest_row_bytes);
 
 /// One recorded variable: its place in an appended row and its dataset.

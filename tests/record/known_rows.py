@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import xarray
 
-TIME_CHUNK = 256  # rows: 36 doubles of Lambda in at most 128 KiB
+TIME_CHUNK = 128  # rows: 36 doubles of Lambda in at most 64 KiB
 STEP_CHUNK = 256
 DIMENSIONS = {
     "time": ("time",),
