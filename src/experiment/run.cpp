@@ -424,8 +424,8 @@ IntegratorOptions integrator_options(const IntegratorConfig& config, const Close
   options.atol.assign(static_cast<std::size_t>(loop.positions()), config.atol_position / tighter);
   options.atol.insert(options.atol.end(), static_cast<std::size_t>(loop.velocities()),
                       config.atol_velocity / tighter);
-  // The shadow's energies have a tolerance of their own size: where an event ends a step the run's balance
-  // may be off by little, by chance, and the shadow's must be off by less.
+  // The shadow's energies are held tighter than its motion: where an event ends a step the run's balance may
+  // be off by little, by chance, and the shadow's must be off by less.
   options.atol.insert(options.atol.end(), 3, energy_atol * config.atol_velocity / (tighter * tighter));
   return options;
 }

@@ -13,7 +13,7 @@
 
 namespace osculate {
 
-/// `tighter`: the tolerances of the configuration are divided by this.
+/// `tighter`: the tolerances of the configuration are divided by this, that of the energies twice.
 IntegratorOptions integrator_options(const IntegratorConfig& config, const ClosedLoop& loop, double tighter);
 
 /// Whether df/dy comes from ClosedLoopSlopes.

@@ -106,6 +106,7 @@ class Limits(unittest.TestCase):
             self.refused(*self.changed(f"model.urdf={path}"), says=f"{path}: {says}")
             self.refused("verify", WAYPOINTS, "--set", f"reference.file={path}", says=f"{path}: {says}")
             self.refused("recover", path, says=f"{path}: ", code=4)
+            self.refused("judge", path, "--model", ROOT / "models" / "puma560.urdf", "--tip", "tool0", says=f"{path}: {says}")
 
     def test_many_joints(self):
         arm = self.write("arm.urdf", chain(5001))

@@ -87,6 +87,16 @@ class Runs(unittest.TestCase):
                 self.assertRegex(done.stdout, r"(?m)^[1-9]\d* changes of contact")
                 self.assertRegex(done.stdout, rf"(?m)^{claim} .* pass$")
 
+    def test_a_touch_is_no_false_alarm_at_any_tolerance(self):
+        # The step that ends at the touch is now and then better than its tolerance, by chance: the shadow must be better yet.
+        tolerances = [1e-10 * 1.2**k for k in range(40)]
+        with concurrent.futures.ThreadPoolExecutor(2) as pool:
+            runs = pool.map(lambda rtol: call("puma560_touch", f"integrator.rtol={rtol}", "duration=1"), tolerances)
+            for rtol, done in zip(tolerances, runs):
+                with self.subTest(rtol):
+                    self.assertRegex(done.stdout, r"(?m)^[1-9]\d* changes of contact")
+                    self.assertRegex(done.stdout, r"(?m)^energy .* pass$")
+
     def test_the_null_space_is_judged_where_there_is_one(self):
         for name in ("arm7_posture", "arm7_joint_limits", "arm7_manipulability", "chain60_reach"):
             with self.subTest(name):
